@@ -1,0 +1,1 @@
+#include "client/trajectory_file.h"

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 The Curvereg authors
+# SPDX-License-Identifier: Apache-2.0
+# curvereg_configure(TARGET): language level, warnings and sanitizers of every target of ours.
+option(CURVEREG_WERROR "Treat warnings as errors" OFF)
+set(CURVEREG_SANITIZER "" CACHE STRING "Value of -fsanitize= for our targets; empty for none")
+
+function(curvereg_configure target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow $<$<BOOL:${CURVEREG_WERROR}>:-Werror>)
+  # Allowed because no code of ours reads errno after <cmath> or traps on floating point; results stay IEEE.
+  target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math)
+  target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>")
+  if(CURVEREG_SANITIZER)
+    target_compile_options(${target} PRIVATE -fsanitize=${CURVEREG_SANITIZER} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${CURVEREG_SANITIZER})
+    target_compile_definitions(${target} PRIVATE CURVEREG_SANITIZED=1)
+  endif()
+endfunction()
+
+# curvereg_add_library(core FILES...): static library curvereg_core with the alias curvereg::core.
+function(curvereg_add_library name)
+  add_library(curvereg_${name} STATIC ${ARGN})
+  add_library(curvereg::${name} ALIAS curvereg_${name})
+  curvereg_configure(curvereg_${name})
+endfunction()
+
+# curvereg_add_test(core/scan [LABEL unit|integration|slow] [LIBRARIES curvereg::sim ...]):
+# builds tests/core/scan_test.cc into its own executable and registers each of its test cases with CTest.
+function(curvereg_add_test path)
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "LIBRARIES" ${ARGN})
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL unit)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  string(REPLACE "/" "_" name "${path}_test")
+  add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}_test.cc")
+  curvereg_configure(${name})
+  target_link_libraries(${name} PRIVATE curvereg::core curvereg_testing GTest::gmock GTest::gtest_main ${ARG_LIBRARIES})
+  target_precompile_headers(${name} REUSE_FROM curvereg_test_pch)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  gtest_discover_tests(
+    ${name}
+    TEST_PREFIX "${path}:"
+    DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()
+
+# curvereg_add_benchmark(scale_bands [LIBRARIES ...]): builds bench/scale_bands_bench.cc.
+function(curvereg_add_benchmark name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  add_executable(${name}_bench "${PROJECT_SOURCE_DIR}/bench/${name}_bench.cc")
+  curvereg_configure(${name}_bench)
+  target_link_libraries(${name}_bench PRIVATE curvereg::core benchmark::benchmark ${ARG_LIBRARIES})
+  set_target_properties(${name}_bench PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bench")
+endfunction()
