@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 The Curvereg authors
+# SPDX-License-Identifier: Apache-2.0
+# Thin: every target is one or two commands that can be typed by hand. CMakePresets.json holds the build settings.
+JOBS ?= $(shell nproc)
+FUZZ_SECONDS ?= 60
+
+.DEFAULT_GOAL := help
+.PHONY: help deps build demo test bench fuzz format lint tidy clean
+
+help: ## This list
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 10
+
+deps: ## Install the Debian packages that are missing
+	@scripts/install_dependencies.sh build baselines plots
+
+build: ## Build everything; the executables are in build/release/bin
+	cmake --preset release
+	cmake --build --preset release -j $(JOBS)
+
+demo: deps ## Simulate a rover's drive, register its scans, draw the report into out/demo
+	cmake --preset release
+	cmake --build --preset release -j $(JOBS) --target bin/curvereg
+	scripts/demo.sh
+
+test: deps build ## Build and run every test
+	ctest --test-dir build/release --output-on-failure --no-tests=error -j $(JOBS)
+
+bench: build ## Run the benchmarks; results as JSON in out/bench
+	scripts/bench.sh build/release/bench out/bench
+
+fuzz: ## Fuzz every file reader for FUZZ_SECONDS (60) each; needs clang
+	@scripts/install_dependencies.sh build fuzz
+	cmake --preset fuzz
+	cmake --build --preset fuzz -j $(JOBS)
+	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
+
+format: ## Format the sources in place
+	@scripts/install_dependencies.sh format
+	git ls-files '*.h' '*.cc' | xargs clang-format -i
+
+lint: ## Check format, licence lines, paths, documents and layout (seconds)
+	@scripts/install_dependencies.sh format
+	scripts/lint.sh
+
+tidy: ## Run clang-tidy on the sources that differ from BASE (default: all of them)
+	@scripts/install_dependencies.sh build lint
+	cmake --preset dev
+	scripts/tidy.sh build/dev $(BASE)
+
+clean: ## Remove what was built and drawn
+	rm -rf build out

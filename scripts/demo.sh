@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The Curvereg authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# The whole job on a simulated drive: scans, one registration, an evaluation with figures, pictures of one scan.
+#
+# usage: demo.sh [OUT_DIR]      default: out/demo; CURVEREG names another executable
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+curvereg=${CURVEREG:-build/release/bin/curvereg}
+out=${1:-out/demo}
+scans=$out/scans
+
+step_number=0
+run() {
+  local title=$1 started=$SECONDS
+  shift
+  step_number=$((step_number + 1))
+  printf '\n[%d/4] %s\n      $ %s\n' "$step_number" "$title" "$*"
+  "$@"
+  printf '      %d s\n' $((SECONDS - started))
+}
+
+if [ ! -x "$curvereg" ]; then
+  echo "demo.sh: $curvereg is not there; run 'make demo' or 'make build' first" >&2
+  exit 1
+fi
+rm -rf "$out"
+mkdir -p "$out"
+started=$SECONDS
+
+run 'Drive a simulated rover over a Mars yard' "$curvereg" simulate --preset mars-yard-sim --scans 6 --out "$scans"
+
+mapfile -t files < <(find "$scans" -maxdepth 1 -type f \( -name '*.pcd' -o -name '*.ply' -o -name '*.bin' \) | sort)
+if [ ${#files[@]} -lt 2 ]; then
+  echo "demo.sh: expected scans in $scans, found ${#files[@]}" >&2
+  exit 1
+fi
+run 'Register the second scan on the first' "$curvereg" register "${files[1]}" "${files[0]}"
+run 'Evaluate every pair of the drive against the truth' "$curvereg" evaluate "$scans" --method curvelet --out "$out/evaluation"
+run 'Draw what the method sees in one scan' "$curvereg" inspect "${files[0]}" --out "$out/inspect"
+
+printf '\nDone in %d s. Look at:\n' $((SECONDS - started))
+find "$out" -name 'report.html' -printf '  %p\n'
+find "$out" -name '*.png' -printf '  %p\n' | sort

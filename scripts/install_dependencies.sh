@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The Curvereg authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Installs the Debian 12 packages that are missing, and nothing else. Asks nothing; needs root or sudo only when
+# something is missing.
+#
+# usage: install_dependencies.sh [GROUP...]      default: build baselines plots
+set -euo pipefail
+
+# ---- what is needed -------------------------------------------------------------------------------------------------
+declare -A PACKAGES=(
+  # compiler, build tools, and the libraries of core, client, sim, eval and their tests; no gRPC, no PCL
+  [build]="
+    g++ gcc libc6-dev cmake ninja-build ccache make git pkg-config
+    libeigen3-dev libfftw3-dev libflann-dev libabsl-dev libtbb-dev libxxhash-dev
+    libpng-dev libcli11-dev nlohmann-json3-dev
+    libgtest-dev libgmock-dev libbenchmark-dev"
+  # the paper's rivals (-DCURVEREG_BUILD_BASELINES=OFF does without; by far the largest download)
+  [baselines]="libpcl-dev"
+  # the figures of the evaluation report
+  [plots]="python3 python3-matplotlib"
+  # for developers
+  [format]="clang-format-14 clang-format git"
+  [lint]="clang-tidy-14 clang-tidy clang-14 python3"
+  [fuzz]="clang-14 clang libclang-rt-14-dev"
+)
+# ---------------------------------------------------------------------------------------------------------------------
+
+groups=("$@")
+[ ${#groups[@]} -gt 0 ] || groups=(build baselines plots)
+
+missing=()
+for group in "${groups[@]}"; do
+  if [ -z "${PACKAGES[$group]:-}" ]; then
+    echo "install_dependencies.sh: no group '$group'; groups: ${!PACKAGES[*]}" >&2
+    exit 2
+  fi
+  for package in ${PACKAGES[$group]}; do
+    status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+    [ "$status" = installed ] || missing+=("$package")
+  done
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "dependencies: nothing is missing (${groups[*]})"
+  exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "install_dependencies.sh: run as root, or install sudo; missing: ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+apt() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o Acquire::Retries=3 -o Dpkg::Use-Pty=0 "$@" </dev/null
+}
+
+echo "dependencies: installing ${missing[*]}"
+apt update -q
+apt install -y -q --no-install-recommends "${missing[@]}"
+echo "dependencies: installed ${#missing[@]} packages and what they need"
