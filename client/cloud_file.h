@@ -16,8 +16,8 @@
 namespace curvereg {
 
 struct CloudReadOptions {
-  int64_t max_points = 50'000'000;     // a file that declares or holds more is refused
-  std::function<void(double)> progress; // called with the share done in [0, 1], from the calling thread; may be empty
+  int64_t max_points = 50'000'000;       // a file that declares or holds more is refused
+  std::function<void(double)> progress;  // called with the share done in [0, 1], from the calling thread; may be empty
 };
 
 // Reads PCD (ascii, binary, binary_compressed), PLY (ascii, binary little and big endian), KITTI .bin,

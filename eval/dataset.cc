@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "eval/dataset.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "client/cloud_file.h"
+#include "client/file_bytes.h"
+#include "client/trajectory_file.h"
+#include "eval/dataset_text.h"
+
+namespace curvereg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxTextBytes = uint64_t{1} << 30;
+
+using ScanIndex = std::map<std::string, std::size_t>;
+
+// Text files beside the scans that are not scans.
+bool IsNote(const fs::path& path) {
+  const std::string stem = absl::AsciiStrToLower(path.stem().string());
+  return stem.starts_with("readme") || stem.starts_with("poses") || stem.starts_with("pairs") ||
+         stem.starts_with("licen") || stem.starts_with("trajectory");
+}
+
+bool IsTxt(const fs::path& path) { return absl::AsciiStrToLower(path.extension().string()) == ".txt"; }
+
+// Files with the ending of a cloud, in name order. Notes are left out, and text files where there are others.
+absl::StatusOr<std::vector<fs::path>> FindScans(const std::string& folder) {
+  std::error_code error;
+  std::vector<fs::path> paths;
+  fs::directory_iterator entry(folder, error);
+  if (error) return ErrnoStatus(folder, "cannot read the folder", error.value());
+  while (entry != fs::directory_iterator()) {
+    const fs::path path = entry->path();
+    const bool is_scan = HasCloudEnding(path.string()) && !path.filename().string().starts_with('.') && !IsNote(path);
+    if (is_scan && !entry->is_directory(error)) paths.push_back(path);
+    entry.increment(error);
+    if (error) return ErrnoStatus(folder, "cannot read the folder", error.value());
+  }
+  if (std::any_of(paths.begin(), paths.end(), [](const fs::path& path) { return !IsTxt(path); })) {
+    std::erase_if(paths, IsTxt);
+  }
+  std::sort(paths.begin(), paths.end(),
+            [](const fs::path& a, const fs::path& b) { return a.stem().string() < b.stem().string(); });
+  if (paths.empty()) return absl::InvalidArgumentError(absl::StrCat(folder, ": holds no scans"));
+  return paths;
+}
+
+absl::StatusOr<ScanIndex> ListScans(const std::vector<fs::path>& paths, Dataset& dataset) {
+  ScanIndex index;
+  for (const fs::path& path : paths) {
+    const std::string name = path.stem().string();
+    if (!index.emplace(name, dataset.scan_names.size()).second) {
+      return absl::InvalidArgumentError(absl::StrCat(path.string(), ": another scan in the folder has this name too"));
+    }
+    dataset.scan_names.push_back(name);
+    dataset.scan_paths.push_back(path.string());
+  }
+  dataset.T_world_scan.resize(dataset.scan_names.size());
+  return index;
+}
+
+// A line per scan, in name order.
+absl::Status FillStampedPoses(std::string_view text, Dataset& dataset) {
+  const absl::StatusOr<std::vector<StampedPose>> poses = ParseTrajectory(text);
+  if (!poses.ok()) return poses.status();
+  if (poses->size() != dataset.scan_names.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("has ", poses->size(), " poses for ", dataset.scan_names.size(), " scans"));
+  }
+  for (std::size_t i = 0; i < poses->size(); ++i) dataset.T_world_scan[i] = (*poses)[i].T_world_scan;
+  return absl::OkStatus();
+}
+
+// Poses of scans that the folder does not have are passed over: a part of a data set is one, too.
+absl::Status FillNamedPoses(std::string_view text, const ScanIndex& index, Dataset& dataset) {
+  const absl::StatusOr<std::vector<PoseLine>> poses = ParseNamedPoses(text);
+  if (!poses.ok()) return poses.status();
+  std::size_t num_found = 0;
+  for (const PoseLine& pose : *poses) {
+    const auto found = index.find(pose.name);
+    if (found == index.end()) continue;
+    std::optional<RigidTransform>& slot = dataset.T_world_scan[found->second];
+    if (slot.has_value()) {
+      return absl::InvalidArgumentError(absl::StrCat("line ", pose.line, ": second pose of scan ", pose.name));
+    }
+    slot = pose.T_world_scan;
+    ++num_found;
+  }
+  if (num_found == 0) return absl::InvalidArgumentError("names no scan of the folder");
+  return absl::OkStatus();
+}
+
+absl::Status FillPairs(std::string_view text, const PairSelection& selection, const ScanIndex& index,
+                       Dataset& dataset) {
+  absl::StatusOr<std::vector<PairLine>> pairs = ParsePairs(text);
+  if (!pairs.ok()) return pairs.status();
+  for (PairLine& line : *pairs) {
+    for (const std::string& name : {line.pair.source, line.pair.target}) {
+      if (index.contains(name)) continue;
+      return absl::InvalidArgumentError(absl::StrCat("line ", line.line, ": no scan ", name, " in the folder"));
+    }
+    if (line.pair.overlap >= 0.0 && line.pair.overlap < selection.min_overlap) continue;
+    dataset.pairs.push_back(std::move(line.pair));
+  }
+  return absl::OkStatus();
+}
+
+void PairConsecutiveScans(int every, Dataset& dataset) {
+  for (std::size_t target = 0; target + static_cast<std::size_t>(every) < dataset.scan_names.size(); ++target) {
+    const std::size_t source = target + static_cast<std::size_t>(every);
+    const std::optional<RigidTransform>& T_world_target = dataset.T_world_scan[target];
+    const std::optional<RigidTransform>& T_world_source = dataset.T_world_scan[source];
+    if (!T_world_target.has_value() || !T_world_source.has_value()) continue;
+    ScanPair pair;
+    pair.source = dataset.scan_names[source];
+    pair.target = dataset.scan_names[target];
+    pair.T_target_source = T_world_target->inverse() * *T_world_source;
+    dataset.pairs.push_back(std::move(pair));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelection& selection) {
+  if (selection.every < 1) return absl::InvalidArgumentError("every: must be at least 1");
+  const absl::StatusOr<std::vector<fs::path>> paths = FindScans(folder);
+  if (!paths.ok()) return paths.status();
+  Dataset dataset;
+  dataset.folder = folder;
+  const absl::StatusOr<ScanIndex> index = ListScans(*paths, dataset);
+  if (!index.ok()) return index.status();
+
+  const std::string poses_path = (fs::path(folder) / "poses.txt").string();
+  const std::string pairs_path = (fs::path(folder) / "pairs.txt").string();
+  const absl::StatusOr<FileBytes> poses = ReadFileBytes(poses_path, kMaxTextBytes);
+  const absl::StatusOr<FileBytes> pairs = ReadFileBytes(pairs_path, kMaxTextBytes);
+  if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
+  if (!pairs.ok() && !absl::IsNotFound(pairs.status())) return pairs.status();
+  if (!poses.ok() && !pairs.ok()) {
+    return absl::NotFoundError(absl::StrCat(folder, ": has neither pairs.txt nor poses.txt"));
+  }
+  if (poses.ok()) {
+    const absl::Status status = HasNamedPoses(poses->view()) ? FillNamedPoses(poses->view(), *index, dataset)
+                                                             : FillStampedPoses(poses->view(), dataset);
+    if (!status.ok()) return WithPath(poses_path, status);
+  }
+  if (!pairs.ok()) {
+    PairConsecutiveScans(selection.every, dataset);
+    return dataset;
+  }
+  const absl::Status status = FillPairs(pairs->view(), selection, *index, dataset);
+  if (!status.ok()) return WithPath(pairs_path, status);
+  return dataset;
+}
+
+}  // namespace curvereg
