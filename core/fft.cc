@@ -141,6 +141,25 @@ void FftBuffer<T>::Free::operator()(T* data) const {
 }
 
 template <typename T>
+FftBuffer<T> FftBufferPool<T>::Take() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!free_.empty()) {
+      FftBuffer<T> buffer = std::move(free_.back());
+      free_.pop_back();
+      return buffer;
+    }
+  }
+  return FftBuffer<T>(buffer_size_);
+}
+
+template <typename T>
+void FftBufferPool<T>::Give(FftBuffer<T> buffer) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  free_.push_back(std::move(buffer));
+}
+
+template <typename T>
 FftPlan<T>::FftPlan(const FftShape& shape, FftKind kind) : shape_(shape), kind_(kind), plan_(MakePlan<T>(shape, kind)) {
   assert(plan_ != nullptr);
 }
@@ -206,6 +225,8 @@ template class FftBuffer<float>;
 template class FftBuffer<double>;
 template class FftBuffer<std::complex<float>>;
 template class FftBuffer<std::complex<double>>;
+template class FftBufferPool<std::complex<float>>;
+template class FftBufferPool<std::complex<double>>;
 template class FftPlan<float>;
 template class FftPlan<double>;
 template std::shared_ptr<const FftPlan<float>> GetFftPlan(const FftShape&, FftKind);

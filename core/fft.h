@@ -14,6 +14,8 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
+#include <mutex>
+#include <vector>
 
 namespace curvereg {
 
@@ -36,6 +38,21 @@ class FftBuffer {
   };
   std::unique_ptr<T, Free> data_;
   std::size_t size_ = 0;
+};
+
+// Buffers of one size for the tasks of a parallel loop: as many as tasks run at once, so that a serial loop works in
+// one that stays in the processor's cache. Thread-safe. Contents are undefined at Take.
+template <typename T>
+class FftBufferPool {
+ public:
+  explicit FftBufferPool(std::size_t buffer_size) : buffer_size_(buffer_size) {}
+  FftBuffer<T> Take();
+  void Give(FftBuffer<T> buffer);
+
+ private:
+  std::size_t buffer_size_;
+  std::mutex mutex_;
+  std::vector<FftBuffer<T>> free_;
 };
 
 enum class FftKind {

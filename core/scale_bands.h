@@ -57,8 +57,10 @@ class ScaleBands {
   };
 
   ScaleBands(int rows, int cols);
-  static Band MakeBand(int rows, int cols, int scale, const ScaleBandOptions& options);
-  Image<T> ComputeBand(const Band& band, const std::complex<T>* spectrum) const;
+  // The band between two squared low-passes, given for frequencies 0, 1, ... of both axes.
+  Band MakeBand(const Image<double>& outer, const Image<double>& inner) const;
+  // `scratch` holds a half spectrum; what it held before does not matter.
+  Image<T> ComputeBand(const Band& band, const std::complex<T>* spectrum, std::complex<T>* scratch) const;
 
   int rows_;
   int cols_;
@@ -67,7 +69,7 @@ class ScaleBands {
   std::shared_ptr<const FftPlan<T>> inverse_rows_;
 };
 
-// The one-off form of the above: makes the multipliers, which costs about as much as the bands themselves.
+// The one-off form of the above: makes the multipliers, which costs about half as much as the bands.
 absl::StatusOr<std::vector<Image<float>>> ComputeScaleBands(const Image<float>& image, const ScaleBandOptions& options);
 absl::StatusOr<std::vector<Image<double>>> ComputeScaleBands(const Image<double>& image,
                                                              const ScaleBandOptions& options);
