@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "eval/evaluate.h"
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace curvereg {
+namespace {
+
+// What is to be answered for: the names and the truth of each pair, still without a result.
+std::vector<PairOutcome> Questions(const Dataset& dataset, const std::vector<StrangerPair>& strangers) {
+  std::vector<PairOutcome> questions;
+  for (const ScanPair& pair : dataset.pairs) {
+    PairOutcome question;
+    question.source = pair.source;
+    question.target = pair.target;
+    question.true_T_target_source = pair.T_target_source;
+    question.overlap = pair.overlap;
+    questions.push_back(std::move(question));
+  }
+  for (const StrangerPair& pair : strangers) {
+    PairOutcome question;
+    question.source = pair.source;
+    question.target = pair.target;
+    questions.push_back(std::move(question));
+  }
+  return questions;
+}
+
+// The scans of a data set by name.
+class ScanShelf {
+ public:
+  ScanShelf(const Dataset& dataset, ScanLoader load) : folder_(dataset.folder), cache_(std::move(load)) {
+    for (std::size_t i = 0; i < dataset.scan_names.size(); ++i) {
+      path_of_[dataset.scan_names[i]] = dataset.scan_paths[i];
+    }
+  }
+
+  absl::StatusOr<std::shared_ptr<const Scan>> Get(const std::string& name) {
+    const auto found = path_of_.find(name);
+    if (found == path_of_.end()) return absl::InvalidArgumentError(absl::StrCat(folder_, ": no scan is named ", name));
+    return cache_.Get(found->second);
+  }
+
+ private:
+  std::string folder_;
+  std::map<std::string, std::string> path_of_;
+  ScanCache cache_;
+};
+
+absl::Status Answer(const EvaluationOptions& options, const RegistrationOptions& registration, ScanShelf& shelf,
+                    PairOutcome& outcome) {
+  const auto source = shelf.Get(outcome.source);
+  if (!source.ok()) return source.status();
+  const auto target = shelf.Get(outcome.target);
+  if (!target.ok()) return target.status();
+
+  const auto start = std::chrono::steady_clock::now();
+  absl::StatusOr<RegistrationResult> result = options.register_scans(**source, **target, registration);
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (absl::IsCancelled(result.status())) return result.status();
+  if (result.ok()) {
+    outcome.result = *std::move(result);
+  } else {
+    outcome.error = std::string(result.status().message());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<StrangerPair>& strangers,
+                                    const EvaluationOptions& options) {
+  const std::vector<PairOutcome> questions = Questions(dataset, strangers);
+  if (questions.empty()) return absl::InvalidArgumentError(absl::StrCat(dataset.folder, ": no pair to register"));
+
+  ScanShelf shelf(dataset, options.load_scan);
+  EvaluationProgress progress;
+  progress.num_total = static_cast<int>(questions.size() * options.methods.size());
+  Evaluation evaluation{.dataset = dataset.folder, .methods = {}};
+  for (const Method method : options.methods) {
+    RegistrationOptions registration = options.registration;
+    registration.method = method;
+    MethodEvaluation& run = evaluation.methods.emplace_back();
+    run.method = method;
+    run.outcomes = questions;
+    for (PairOutcome& outcome : run.outcomes) {
+      const absl::Status status = Answer(options, registration, shelf, outcome);
+      if (!status.ok()) return status;
+      ++progress.num_done;
+      progress.last = &outcome;
+      if (options.progress) options.progress(progress);
+    }
+    run.summary = Summarise(run.outcomes);
+  }
+  return evaluation;
+}
+
+}  // namespace curvereg

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// One HTML file that holds the whole report: tables, failures and the pictures themselves. Opens without a network.
+#ifndef CURVEREG_EVAL_REPORT_HTML_H_
+#define CURVEREG_EVAL_REPORT_HTML_H_
+
+#include <string>
+#include <vector>
+
+#include "eval/evaluate.h"
+
+namespace curvereg {
+
+struct ReportPicture {
+  std::string title;
+  std::string png;  // the file's bytes
+};
+
+// `note` is shown above the pictures (why there are none); may be empty. Deterministic.
+std::string ReportHtml(const Evaluation& evaluation, const std::vector<ReportPicture>& pictures,
+                       const std::string& note);
+
+}  // namespace curvereg
+
+#endif  // CURVEREG_EVAL_REPORT_HTML_H_
