@@ -55,15 +55,18 @@ void ParallelFor(int num_tasks, const std::function<void(int)>& task) {
   int fork = 0;
   int join = 0;
   CURVEREG_TSAN_RELEASE(&fork);
-  tbb::parallel_for(
-      0, num_tasks, 1,
-      [&](int i) {
-        CURVEREG_TSAN_ACQUIRE(&fork);
-        const ScopedParallel parallel(true);
-        task(i);
-        CURVEREG_TSAN_RELEASE(&join);
-      },
-      tbb::simple_partitioner());
+  // Isolated: while it waits, this thread takes no task of an outer loop, which could need a lock that it holds.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        0, num_tasks, 1,
+        [&](int i) {
+          CURVEREG_TSAN_ACQUIRE(&fork);
+          const ScopedParallel parallel(true);
+          task(i);
+          CURVEREG_TSAN_RELEASE(&join);
+        },
+        tbb::simple_partitioner());
+  });
   CURVEREG_TSAN_ACQUIRE(&join);
 }
 

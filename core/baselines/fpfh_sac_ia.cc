@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "core/baselines/fpfh_sac_ia.h"
+
+#include <pcl/common/distances.h>
+#include <pcl/common/transforms.h>
+#include <pcl/kdtree/kdtree_flann.h>
+#include <pcl/registration/transformation_estimation_svd.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "core/baselines/pcl_common.h"
+
+namespace curvereg {
+namespace {
+
+using pcl_common::Features;
+using pcl_common::Surface;
+
+constexpr size_t kSampleSize = 3;
+
+struct DescribedSurface {
+  Surface surface;
+  Features::Ptr features;  // one per point; empty when the surface is, or after a stop
+};
+
+DescribedSurface Describe(const Scan& scan, const BaselineOptions& options) {
+  DescribedSurface described{pcl_common::PrepareSurface(scan, options), pcl::make_shared<Features>()};
+  if (options.stop.Requested() || described.surface.cloud->empty()) return described;
+  described.features = pcl_common::DescribePoints(described.surface.cloud, described.surface, options);
+  return described;
+}
+
+// Uniform in [0, n); spelt out because the standard leaves its distributions to each library.
+int RandomIndex(std::mt19937_64& generator, size_t n) { return static_cast<int>(((generator() >> 32U) * n) >> 32U); }
+
+// Three points of `cloud`, pairwise at least min_distance_m apart. Where none are found, the distance is halved for
+// this and all later samples, as PCL does. Precondition: three points at least, not all equal.
+pcl::Indices DrawSample(const pcl_common::Cloud& cloud, std::mt19937_64& generator, float& min_distance_m) {
+  pcl::Indices sample;
+  size_t num_failures = 0;
+  while (sample.size() < kSampleSize) {
+    const int candidate = RandomIndex(generator, cloud.size());
+    const bool is_far = std::ranges::all_of(sample, [&](int other) {
+      return candidate != other && pcl::euclideanDistance(cloud[static_cast<size_t>(candidate)],
+                                                          cloud[static_cast<size_t>(other)]) >= min_distance_m;
+    });
+    if (is_far) {
+      sample.push_back(candidate);
+      num_failures = 0;
+    } else if (++num_failures >= 3 * cloud.size()) {
+      min_distance_m *= 0.5F;
+      num_failures = 0;
+    }
+  }
+  return sample;
+}
+
+using FeatureTree = pcl::KdTreeFLANN<pcl::FPFHSignature33>;
+
+// For each descriptor of the sample, one of the `randomness` target points with the most similar ones, drawn at random.
+pcl::Indices DrawMatches(const Features& sample, const FeatureTree& tree, int randomness, std::mt19937_64& generator) {
+  pcl::Indices matches;
+  pcl::Indices nearest;
+  std::vector<float> squared_distances;
+  for (const pcl::FPFHSignature33& feature : sample) {
+    tree.nearestKSearch(feature, randomness, nearest, squared_distances);
+    matches.push_back(nearest[static_cast<size_t>(RandomIndex(generator, nearest.size()))]);
+  }
+  return matches;
+}
+
+// Sum over the source's points of min(d^2, d_max^2), d the distance to the nearest target point.
+double TruncatedError(const Surface& source, const Surface& target, const Eigen::Matrix4f& T_target_source,
+                      double max_distance_m) {
+  pcl_common::Cloud points_target;
+  pcl::transformPointCloud(*source.cloud, points_target, T_target_source);
+  const double limit = max_distance_m * max_distance_m;
+  double error = 0.0;
+  pcl::Indices nearest(1);
+  std::vector<float> squared_distance(1);
+  for (const pcl::PointXYZ& point : points_target) {
+    target.tree->nearestKSearch(point, 1, nearest, squared_distance);
+    error += std::min(static_cast<double>(squared_distance[0]), limit);
+  }
+  return error;
+}
+
+// SAC-IA: of the poses that random samples give, the one with the least error. Leaves result.has_pose false when
+// stopped before the first.
+void AlignBySamples(const DescribedSurface& source, const DescribedSurface& target, const BaselineOptions& options,
+                    BaselineResult& result) {
+  std::mt19937_64 generator(options.seed);
+  FeatureTree tree(/*sorted=*/true);
+  tree.setInputCloud(target.features);
+  const pcl::registration::TransformationEstimationSVD<pcl::PointXYZ, pcl::PointXYZ> fit;
+  auto min_distance_m = static_cast<float>(options.min_sample_distance_m);
+  double least_error = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < options.max_iterations; ++i) {
+    const pcl::Indices sample = DrawSample(*source.surface.cloud, generator, min_distance_m);
+    const pcl::Indices matches =
+        DrawMatches(Features(*source.features, sample), tree, options.correspondence_randomness, generator);
+    Eigen::Matrix4f T_target_source = Eigen::Matrix4f::Identity();
+    fit.estimateRigidTransformation(*source.surface.cloud, sample, *target.surface.cloud, matches, T_target_source);
+    const double error =
+        TruncatedError(source.surface, target.surface, T_target_source, options.icp_max_correspondence_m);
+    if (options.stop.Requested()) return;
+    ++result.num_matches;
+    if (error >= least_error) continue;
+    least_error = error;
+    result.T_target_source.matrix() = T_target_source.cast<double>();
+    result.has_pose = true;
+  }
+}
+
+BaselineResult Run(const Scan& source_scan, const Scan& target_scan, const BaselineOptions& options) {
+  BaselineResult result;
+  const DescribedSurface source = Describe(source_scan, options);
+  const DescribedSurface target = Describe(target_scan, options);
+  if (options.stop.Requested()) return result;
+  result.num_source_keypoints = static_cast<int>(source.features->size());
+  result.num_target_keypoints = static_cast<int>(target.features->size());
+  if (source.features->size() < kSampleSize || target.features->size() < kSampleSize) {
+    result.failure = Reason::kTooFewFeatures;
+    return result;
+  }
+  AlignBySamples(source, target, options, result);
+  if (result.has_pose) pcl_common::RefineByIcp(source.surface, target.surface, options, result);
+  return result;
+}
+
+}  // namespace
+
+absl::StatusOr<BaselineResult> RegisterFpfhSacIa(const Scan& source, const Scan& target,
+                                                 const BaselineOptions& options) {
+  if (absl::Status status = pcl_common::ValidateInputs(source, target, options); !status.ok()) return status;
+  return pcl_common::Finish(Run(source, target, options), options.stop);
+}
+
+}  // namespace curvereg

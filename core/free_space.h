@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a scan saw through: the nearest and farthest return per direction, on the six faces of a cube about the sensor.
+// A point of another scan that, under the right pose, lies in front of all returns of its direction contradicts the
+// pose: the beams passed through where it claims surface. Needs no trigonometry and no attitude.
+#ifndef CURVEREG_CORE_FREE_SPACE_H_
+#define CURVEREG_CORE_FREE_SPACE_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/rigid_transform.h"
+
+namespace curvereg {
+
+struct FreeSpaceOptions {
+  int max_bins_per_side = 96;       // of a cube face: 1.2 degrees; fewer for sparse scans, so that bins are not empty
+  double points_per_bin = 3.0;      // aimed at, on the faces that the sensor sees
+  double margin_m = 0.25;           // a point must be this much nearer than all returns to contradict,
+  double margin_per_metre = 0.02;   // plus this much per metre of range
+};
+
+// Immutable after construction; safe to share.
+class FreeSpace {
+ public:
+  FreeSpace() = default;
+  // Points in the sensor frame; those not finite or at the origin are skipped.
+  explicit FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpaceOptions& options = {});
+
+  enum class Answer { kUnknown, kAgrees, kViolates };
+  // Point in the sensor frame. kUnknown: direction never measured, or hidden behind what was.
+  Answer Ask(const Eigen::Vector3f& point) const;
+
+ private:
+  FreeSpaceOptions options_;
+  int side_ = 0;
+  struct Interval {
+    float nearest, farthest;  // [m]; nearest > farthest where nothing was measured
+  };
+  std::vector<Interval> bins_;  // 6 faces of side_ x side_, widened to their 3x3 neighbours
+};
+
+struct FreeSpaceAgreement {
+  int agreeing = 0;
+  int violating = 0;
+  int unknown = 0;
+  // agreeing / (agreeing + violating), 0 when nothing was answered.
+  double Agreement() const;
+  // agreeing / all, 0 for no points: the share of the points that the other scan saw too.
+  double Overlap() const;
+};
+
+// Asks for each point of the other scan, moved by T_scan_points.
+FreeSpaceAgreement AskAll(const FreeSpace& free_space, const RigidTransform& T_scan_points,
+                          const std::vector<Eigen::Vector3f>& points);
+
+}  // namespace curvereg
+
+#endif  // CURVEREG_CORE_FREE_SPACE_H_

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// All that depends on one scan alone, computed once and reused for every partner: surface elements, free space,
+// candidate verticals, and per view the features. What the common case needs is computed at once, the rest on first
+// use. Safe to share between threads.
+#ifndef CURVEREG_CORE_PREPARED_SCAN_H_
+#define CURVEREG_CORE_PREPARED_SCAN_H_
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/free_space.h"
+#include "core/leveling.h"
+#include "core/scan.h"
+#include "core/view_features.h"
+#include "core/voxel_map.h"
+
+namespace curvereg {
+
+struct PreparationOptions {
+  VoxelOptions voxels;
+  LevelingOptions leveling;
+  FreeSpaceOptions free_space;
+  ViewOptions elevation = ElevationViewOptions();
+  ViewOptions occupancy = OccupancyViewOptions();
+};
+
+class PreparedScan {
+ public:
+  // Precondition: ValidateScan(*scan) is OK. Uses the threads of the innermost WithThreadLimit.
+  PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOptions& options);
+
+  const Scan& scan() const { return *scan_; }
+  // Surface elements from fine to coarse.
+  const std::vector<VoxelMap>& voxel_maps() const { return voxel_maps_; }
+  // One measured point per finest cell: the scan at even density.
+  const std::vector<Eigen::Vector3f>& representatives() const { return representatives_; }
+  const FreeSpace& free_space() const { return free_space_; }
+  const std::vector<LevelingCandidate>& verticals() const { return verticals_; }
+
+  // The view levelled by verticals()[vertical]; computed by the first caller, who may be one of several at once.
+  absl::StatusOr<const ViewFeatures*> View(BirdsEyeView view, size_t vertical) const;
+
+ private:
+  struct LazyView {
+    std::once_flag once;
+    absl::StatusOr<ViewFeatures> features = absl::UnknownError("not computed");
+  };
+
+  std::shared_ptr<const Scan> scan_;
+  PreparationOptions options_;
+  std::vector<VoxelMap> voxel_maps_;
+  std::vector<Eigen::Vector3f> representatives_;
+  FreeSpace free_space_;
+  std::vector<LevelingCandidate> verticals_;
+  std::vector<std::unique_ptr<LazyView>> views_;  // elevation and occupancy of each vertical
+};
+
+}  // namespace curvereg
+
+#endif  // CURVEREG_CORE_PREPARED_SCAN_H_

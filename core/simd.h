@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// CURVEREG_DISPATCH before a function compiles it for several instruction sets and picks at run time the best that the
+// processor has. Not under sanitizers, whose run time is not up when the choice is made.
+// Products and sums are not fused (-ffp-contract=off), so every choice gives the same bytes.
+#ifndef CURVEREG_CORE_SIMD_H_
+#define CURVEREG_CORE_SIMD_H_
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(CURVEREG_SANITIZED)
+#define CURVEREG_DISPATCH __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CURVEREG_DISPATCH
+#endif
+
+#endif  // CURVEREG_CORE_SIMD_H_
