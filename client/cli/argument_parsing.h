@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Argument values that are more than one number. Errors are INVALID_ARGUMENT and name the value and what is expected.
+#ifndef CURVEREG_CLIENT_CLI_ARGUMENT_PARSING_H_
+#define CURVEREG_CLIENT_CLI_ARGUMENT_PARSING_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/registration_options.h"
+#include "core/rigid_transform.h"
+
+namespace curvereg::cli {
+
+// A transform given as numbers, or the name of a file that holds them ('#' starts a comment): 16 (row-major 4x4),
+// 12 (row-major 3x4), 7 (x y z qx qy qz qw) or 8 (a line of a TUM file, its time ignored). Separated by blanks or
+// commas. Rotations are accepted when rigid to 1e-3, as printed with few digits, and made exactly rigid. NOT_FOUND:
+// neither numbers nor a file that is there.
+absl::StatusOr<RigidTransform> ParseTransform(const std::string& text_or_path);
+
+// "X,Y,Z", finite, not zero.
+absl::StatusOr<Eigen::Vector3d> ParseDirection(const std::string& text);
+
+// "ROTATION_RAD,TRANSLATION_M", both positive: the covariance of a prior with these standard deviations on each axis.
+absl::StatusOr<Matrix6d> ParsePriorSigma(const std::string& text);
+
+// One method's name.
+absl::StatusOr<Method> ParseMethod(const std::string& name);
+
+// "A,B,...", at least one, none twice.
+absl::StatusOr<std::vector<Method>> ParseMethods(const std::string& names);
+
+// "curvelet, paper, ...", for messages and help.
+std::string MethodNames();
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLIENT_CLI_ARGUMENT_PARSING_H_

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/evaluate_command.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/argument_parsing.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/result_text.h"
+#include "client/cloud_file.h"
+#include "core/register_scans.h"
+#include "eval/evaluate.h"
+#include "eval/report.h"
+#include "eval/report_json.h"
+
+namespace curvereg::cli {
+namespace {
+
+struct Arguments {
+  std::string dataset;
+  std::string methods = "curvelet";
+  PairSelection selection;
+  uint64_t seed = 1;
+  int threads = 0;
+  double time_budget_s = 0.0;
+  std::string out;
+  bool json = false;
+};
+
+constexpr char kExamples[] =
+    R"(A data set is a folder of scans in name order with poses.txt (TUM: sensor to world) or pairs.txt (lines
+`source target overlap ... 16 numbers`, row-major T_target_source). strangers.txt, where present, lists pairs
+`source target` that share no ground: accepting one is wrong.
+
+Exit status: 0 done (whatever the figures), 1 internal fault or interrupted, 2 bad arguments or input.
+
+Examples:
+  curvereg evaluate yard --out yard-report
+  curvereg evaluate dome --method curvelet,paper --every 5 --out dome-report --json > dome.json)";
+
+absl::StatusOr<Scan> LoadScan(const std::string& path) { return ReadCloudFile(path); }
+
+std::string ProgressNote(const EvaluationProgress& progress) {
+  return absl::StrCat(progress.num_done, "/", progress.num_total, " ", progress.last->source, " → ",
+                      progress.last->target);
+}
+
+absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, const Dataset& dataset,
+                                                const CliContext& context) {
+  const absl::StatusOr<std::vector<StrangerPair>> strangers = LoadStrangers(dataset);
+  if (!strangers.ok()) return strangers.status();
+  const absl::StatusOr<std::vector<Method>> methods = ParseMethods(arguments.methods);
+  if (!methods.ok()) return methods.status();
+
+  ProgressBar bar("registering");
+  EvaluationOptions options;
+  options.methods = *methods;
+  options.registration.seed = arguments.seed;
+  options.registration.num_threads = arguments.threads;
+  if (arguments.time_budget_s > 0.0) options.registration.time_budget_s = arguments.time_budget_s;
+  options.registration.cancellation = context.interrupted;
+  options.load_scan = LoadScan;
+  options.register_scans = RegisterScans;
+  options.progress = [&](const EvaluationProgress& progress) {
+    bar.Update(static_cast<double>(progress.num_done) / progress.num_total, ProgressNote(progress));
+  };
+  return Evaluate(dataset, *strangers, options);
+}
+
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
+  const absl::StatusOr<std::vector<Method>> methods = ParseMethods(arguments.methods);
+  if (!methods.ok()) return ReportError(methods.status());
+  const absl::StatusOr<Dataset> dataset = LoadDataset(arguments.dataset, arguments.selection);
+  if (!dataset.ok()) return ReportError(dataset.status());
+  const absl::Status folder = PrepareOutputFolder(arguments.out);
+  if (!folder.ok()) return ReportError(folder);
+
+  const absl::StatusOr<Evaluation> evaluation = EvaluateWithProgress(arguments, *dataset, context);
+  if (!evaluation.ok()) return ReportError(evaluation.status());
+  ReportOptions report;
+  report.load_scan = LoadScan;
+  const absl::StatusOr<std::string> warning = WriteReport(*evaluation, *dataset, arguments.out, report);
+  if (!warning.ok()) return ReportError(warning.status());
+  if (!warning->empty()) ReportWarning(*warning);
+  if (arguments.json) return PrintResult(EvaluationJson(*evaluation) + "\n");
+  return PrintResult(absl::StrCat(EvaluationText(*evaluation), "report       ", arguments.out, "/report.html\n"));
+}
+
+}  // namespace
+
+Command AddEvaluateCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("evaluate", "Measure methods on a data set with truth and write a report");
+  command->add_option("DATASET", arguments->dataset, "Folder of scans with poses.txt or pairs.txt")->required();
+  command->add_option("--method", arguments->methods, absl::StrCat("Methods, separated by commas: ", MethodNames()))
+      ->capture_default_str()
+      ->type_name("A[,B...]");
+  command->add_option("--every", arguments->selection.every, "With poses.txt: register scan i+N onto scan i")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--min-overlap", arguments->selection.min_overlap,
+                   "With pairs.txt: leave out pairs of a known overlap below this")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--seed", arguments->seed, "The same seed gives the same results")->capture_default_str();
+  command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--out", arguments->out, "Folder for report.html, report.json, figures, trajectories and maps")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+  command->footer(kExamples);
+  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+}
+
+}  // namespace curvereg::cli

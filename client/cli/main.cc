@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// curvereg: the command line. One file per command; what they share is in cli_context.h.
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <vector>
+
+#include "client/cli/cli_context.h"
+#include "client/cli/evaluate_command.h"
+#include "client/cli/interrupt_watcher.h"
+#include "client/cli/register_command.h"
+
+namespace curvereg::cli {
+namespace {
+
+ExitCode ParseAndRun(int argc, char** argv) {
+  CLI::App app("Registration of 3-D laser scans of planetary terrain", "curvereg");
+  app.set_version_flag("--version", "curvereg " CURVEREG_VERSION);
+  app.require_subcommand(1);
+  const std::vector<Command> commands = {AddRegisterCommand(app), AddEvaluateCommand(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kUsage;  // prints help or version, or the error
+  }
+  const InterruptWatcher watcher;
+  for (const Command& command : commands) {
+    if (command.app->parsed()) return command.run({.interrupted = watcher.token()});
+  }
+  return ExitCode::kUsage;  // unreachable: a subcommand is required
+}
+
+// Our code throws nothing; the libraries below it may, above all when memory runs out.
+ExitCode Main(int argc, char** argv) {
+  try {
+    return ParseAndRun(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("curvereg: out of memory\n", stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "curvereg: internal error: %s\n", error.what());
+  }
+  return ExitCode::kInternal;
+}
+
+}  // namespace
+}  // namespace curvereg::cli
+
+int main(int argc, char** argv) { return static_cast<int>(curvereg::cli::Main(argc, argv)); }
