@@ -59,7 +59,8 @@ class Quadrant {
     if (s < NumWedges() && tau >= Centre(s + 1)) return 0.0;
     const double radial = ScaleWindow(kappa, std::abs(eta));
     if (radial == 0.0) return 0.0;
-    const double rising = s > 1 ? RisingStep((tau - Centre(s - 1)) / (Centre(s) - Centre(s - 1))) : LeftCorner(kappa, eta);
+    const double rising =
+        s > 1 ? RisingStep((tau - Centre(s - 1)) / (Centre(s) - Centre(s - 1))) : LeftCorner(kappa, eta);
     const double falling =
         s < NumWedges() ? FallingStep((tau - Centre(s)) / (Centre(s + 1) - Centre(s))) : RightCorner(kappa, eta);
     return radial * rising * falling;
@@ -163,7 +164,7 @@ CurveletWedge MakeEastWedge(const Quadrant& quadrant, int s) {
 int DefaultNumScales(int rows, int cols) {
   // The least J with 2^(J + 3) >= min(rows, cols).
   const auto shorter = static_cast<unsigned>(std::max(std::min(rows, cols), 1));
-  return std::max(2, std::bit_width(shorter - 1) - 3);
+  return std::max(2, static_cast<int>(std::bit_width(shorter - 1)) - 3);
 }
 
 int NumAngles(int scale, const CurveletOptions& options) {
@@ -202,6 +203,7 @@ std::vector<CurveletWedge> MakeWedges(int rows, int cols, int scale, const Curve
     wedge = i < per_quadrant ? MakeNorthWedge(north, i + 1) : MakeEastWedge(east, i + 1 - per_quadrant);
     wedge.scale = scale;
     wedge.angle = i + 1;
+    wedge.weights.shrink_to_fit();
   });
   return wedges;
 }

@@ -23,7 +23,7 @@ enum class FinestScale {
 };
 
 struct CurveletOptions {
-  int num_scales = 0;         // >= 2; 0: DefaultNumScales of the image
+  int num_scales = 0;          // >= 2; 0: DefaultNumScales of the image
   int num_angles_coarse = 16;  // wedges at scale 2: 8, 16, 32 or 64; others give wedges that are no tight frame
   // Default kWavelets, as published: a third of the memory of kCurvelets.
   FinestScale finest = FinestScale::kWavelets;
