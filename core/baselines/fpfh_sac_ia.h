@@ -12,9 +12,9 @@
 
 namespace curvereg {
 
-// Descriptors, kd-trees and ICP are PCL's. The sampling loop is ours, because PCL's draws from rand(), which concurrent
-// calls share, and cannot be interrupted. Scans without three described points each: OK, failure kTooFewFeatures.
-// INVALID_ARGUMENT: a scan or an option that cannot be used; CANCELLED.
+// Descriptors, neighbour search and ICP are PCL's. The sampling loop is ours, because PCL's draws from rand(), which
+// concurrent calls share, and cannot be interrupted. Scans without three described points each: OK, failure
+// kTooFewFeatures. INVALID_ARGUMENT: a scan or an option that cannot be used; CANCELLED.
 absl::StatusOr<BaselineResult> RegisterFpfhSacIa(const Scan& source, const Scan& target,
                                                  const BaselineOptions& options = {});
 
