@@ -148,7 +148,8 @@ absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelecti
   const absl::StatusOr<FileBytes> pairs = ReadFileBytes(pairs_path, kMaxTextBytes);
   if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
   if (!pairs.ok() && !absl::IsNotFound(pairs.status())) return pairs.status();
-  if (!poses.ok() && !pairs.ok()) {
+  std::error_code error;  // strangers.txt names pairs, too, though none that could be registered (strangers.h)
+  if (!poses.ok() && !pairs.ok() && !fs::exists(fs::path(folder) / "strangers.txt", error)) {
     return absl::NotFoundError(absl::StrCat(folder, ": has neither pairs.txt nor poses.txt"));
   }
   if (poses.ok()) {
