@@ -65,7 +65,7 @@ absl::StatusOr<AtomicFile> AtomicFile::Create(const std::string& path) {
     const std::filesystem::path resolved = std::filesystem::canonical(path, error);
     if (!error) file.target_ = resolved.string();
     // A rename would replace a file that the user has protected from writing.
-    if (access(path.c_str(), W_OK) != 0) return ErrnoStatus(path, "cannot write", errno);
+    if (faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0) return ErrnoStatus(path, "cannot write", errno);
   }
   file.fd_ = OpenTemporary(file.target_, &file.temporary_);
   if (file.fd_ < 0) {

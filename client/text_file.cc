@@ -45,6 +45,7 @@ std::optional<std::string_view> NextColumn(std::string_view& rest) {
 // Which columns are x, y, z.
 struct Columns {
   std::array<std::size_t, 3> xyz = {0, 1, 2};
+  bool is_guessed = false;  // there is a header, but it does not name them
 };
 
 // From a header line: by name where it has x, y and z, in any case and in quotes or not; else the first three.
@@ -60,8 +61,8 @@ Columns ColumnsFromHeader(std::string_view line) {
     if (axis < 3 && !found[axis].has_value()) found[axis] = index;
     ++index;
   }
-  if (!found[0].has_value() || !found[1].has_value() || !found[2].has_value()) return {};
-  return {{*found[0], *found[1], *found[2]}};
+  if (!found[0].has_value() || !found[1].has_value() || !found[2].has_value()) return {{0, 1, 2}, true};
+  return {{*found[0], *found[1], *found[2]}, false};
 }
 
 // NaN for an empty column; nullopt when it is something else than a number.
@@ -138,6 +139,7 @@ absl::StatusOr<Scan> ParseTextCloud(std::string_view bytes, const CloudReadOptio
     scan.points.push_back(point);
     progress.At(lines.offset());
   }
+  if (scan.points.empty() && columns.is_guessed) return absl::InvalidArgumentError("holds no line of coordinates");
   return scan;
 }
 
