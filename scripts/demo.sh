@@ -17,7 +17,12 @@ run() {
   shift
   step_number=$((step_number + 1))
   printf '\n[%d/4] %s\n      $ %s\n' "$step_number" "$title" "$*"
-  "$@"
+  local status=0
+  "$@" || status=$?
+  if [ "$status" -ne 0 ]; then
+    echo "demo.sh: the command above ended with exit status $status" >&2
+    exit "$status"
+  fi
   printf '      %d s\n' $((SECONDS - started))
 }
 
