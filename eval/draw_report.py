@@ -27,6 +27,8 @@ OK_TRANSLATION_M = 0.5
 OK_ROTATION_RAD = 0.1
 # Colours told apart with any colour vision (Okabe and Ito).
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+# Lines that coincide still show, the later ones being broken.
+STYLES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 2)), (0, (8, 3))]
 
 
 def save(figure, path):
@@ -72,13 +74,13 @@ def draw_errors(folder, methods, steps):
     panels = [("translation_m", "translation error [m]", OK_TRANSLATION_M),
               ("rotation_rad", "rotation error [rad]", OK_ROTATION_RAD)]
     for axis, (quantity, label, bound) in zip(axes, panels):
-        for colour, method in zip(COLOURS, methods):
+        for colour, style, method in zip(COLOURS, STYLES, methods):
             points = steps.get((method, quantity), [])
             values = np.maximum([value for value, _ in points], 1e-7)
             if len(values) > 0:
                 # From the first value on the axis to its right end, so that single pairs show, too.
                 axis.step(np.r_[values[0], values, 1e3], np.r_[0, [share for _, share in points], points[-1][1]],
-                          where="post", color=colour, label=method)
+                          where="post", color=colour, linestyle=style, label=method)
         axis.axvline(bound, color="grey", linestyle=":", linewidth=1)
         axis.set_xscale("log")
         largest = max([value for method in methods for value, _ in steps.get((method, quantity), [])] + [bound])

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 #include <vector>
 
 #include "client/cli/cli_context.h"
@@ -19,6 +20,14 @@
 namespace curvereg::cli {
 namespace {
 
+// CLI11 says only "A subcommand is required" when the first word is none.
+ExitCode ReportUsage(const CLI::App& app, const CLI::ParseError& error, const std::string& first_word) {
+  const auto named = app.get_subcommands([&](const CLI::App* command) { return command->get_name() == first_word; });
+  const bool is_unknown = !first_word.empty() && first_word[0] != '-' && named.empty();
+  if (!is_unknown) return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kUsage;  // prints help, version or error
+  return ReportError(absl::InvalidArgumentError("no command is named '" + first_word + "'; see curvereg --help"));
+}
+
 ExitCode ParseAndRun(int argc, char** argv) {
   CLI::App app("Registration of 3-D laser scans of planetary terrain", "curvereg");
   app.set_version_flag("--version", "curvereg " CURVEREG_VERSION);
@@ -27,7 +36,7 @@ ExitCode ParseAndRun(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kUsage;  // prints help or version, or the error
+    return ReportUsage(app, error, argc > 1 ? argv[1] : "");
   }
   const InterruptWatcher watcher;
   for (const Command& command : commands) {
