@@ -29,12 +29,12 @@ absl::StatusOr<HeightGrid> ParseEsriAsciiGrid(absl::string_view text, absl::stri
 absl::StatusOr<HeightGrid> ReadEsriAsciiGrid(const std::string& path);
 
 struct ElevationOptions {
-  std::string path;      // ESRI ASCII grid
-  double cell_m = 0.25;  // cells of the model are divided until they are at most 1.5 times this wide
+  std::string path = "";  // ESRI ASCII grid
+  double cell_m = 0.25;   // cells of the model are divided until they are at most 1.5 times this wide
   // Below one cell of the model only; amplitude_m is that of a wavelength of one metre.
   FractalOptions roughness = {.shortest_wavelength_m = 0.5, .amplitude_m = 0.03, .hurst = 0.8};
   double gravel_m = 0.012;
-  RockOptions rocks;
+  RockOptions rocks = {};
 };
 
 // Bicubic (Catmull-Rom) between the vertices of the model, bilinear beside holes. `factor` >= 1 cells for one.

@@ -23,7 +23,7 @@ struct ScanMotion {
 };
 
 struct ScannerOptions {
-  ScanPattern pattern;
+  ScanPattern pattern = {};
   double min_range_m = 0.5;
   double max_range_m = 80.0;
   double noise_m = 0.015;            // standard deviation of the range at the sensor ...
@@ -36,7 +36,7 @@ struct ScannerOptions {
                                      // surface, the range is a mixture of both
   double mixed_edge_rad = 0.002;
   double keep_fraction = 1.0;  // of all beams, chosen at random
-  ScanMotion motion;
+  ScanMotion motion = {};
 };
 
 // The returns of one sweep in beam order, sensor frame, float32; beams without a return are left out. The points

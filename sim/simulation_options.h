@@ -23,18 +23,18 @@ struct WorldOptions {
   WorldKind kind = WorldKind::kYard;
   double relief = 1.0;       // scales all heights of ground and rocks
   bool clear_drive = false;  // tall rocks are taken out of the rover's way instead of the rover avoiding them
-  YardOptions yard;
-  DomeOptions dome;
-  ElevationOptions elevation;
+  YardOptions yard = {};
+  DomeOptions dome = {};
+  ElevationOptions elevation = {};
 };
 
 struct SimulationOptions {
   uint64_t seed = 1;  // of world, drive and scanner; the same seed gives the same bytes
   int num_scans = 40;
-  WorldOptions world;
-  TraverseOptions traverse;
-  RoverOptions rover;
-  ScannerOptions scanner;
+  WorldOptions world = {};
+  TraverseOptions traverse = {};
+  RoverOptions rover = {};
+  ScannerOptions scanner = {};
   bool random_yaw = false;  // the sensor is turned anyhow on its mast at each scan
   // Each scan stands in a world of its own, of any kind: yards, nearly flat ones, rough ones, domes. The pairs of
   // Simulation::strangers() share no ground.

@@ -27,7 +27,7 @@ struct YardOptions {
   double max_ridge_height_m = 1.2;
   int num_craters = 1;
   double max_crater_radius_m = 8.0;
-  RockOptions rocks;
+  RockOptions rocks = {};
 };
 
 // `relief` scales all heights, of the ground and of the rocks. The world depends on options, relief and key alone.
