@@ -1,27 +1,35 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Times pieces of work against each other. All are run in turn, round after round, so that a noisy machine disturbs
-// them alike and the ratio of their medians means something.
+// Times pieces of single-threaded work against each other by the processor time of this thread: on a busy machine wall
+// time would count the pauses, which fall on long work more than on short. All are run in turn, round after round, so
+// that what noise is left disturbs them alike and the ratio of their medians means something.
 #ifndef CURVEREG_BENCH_MEDIAN_TIME_H_
 #define CURVEREG_BENCH_MEDIAN_TIME_H_
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 #include <functional>
 #include <vector>
 
 namespace curvereg::bench {
 
-// Median wall time [s] of each work over `rounds` rounds, after one round that warms caches up.
+// Processor time of this thread so far [s].
+inline double ThreadSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// Median processor time [s] of each work over `rounds` rounds, after one round that warms caches up.
 inline std::vector<double> MedianSeconds(int rounds, const std::vector<std::function<void()>>& works) {
   std::vector<std::vector<double>> seconds(works.size());
   for (int round = -1; round < rounds; ++round) {
     for (std::size_t i = 0; i < works.size(); ++i) {
-      const auto start = std::chrono::steady_clock::now();
+      const double start = ThreadSeconds();
       works[i]();
-      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-      if (round >= 0) seconds[i].push_back(elapsed.count());
+      const double elapsed = ThreadSeconds() - start;
+      if (round >= 0) seconds[i].push_back(elapsed);
     }
   }
   std::vector<double> medians;
