@@ -11,6 +11,12 @@ find_package(PNG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFTW REQUIRED IMPORTED_TARGET fftw3 fftw3f)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+# FLANN's headers need LZ4 and nothing else; its own pkg-config file would link HDF5 and MPI.
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+find_path(FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)
+add_library(curvereg_flann INTERFACE)
+target_include_directories(curvereg_flann SYSTEM INTERFACE "${FLANN_INCLUDE_DIR}")
+target_link_libraries(curvereg_flann INTERFACE PkgConfig::LZ4)
 
 if(CURVEREG_BUILD_BASELINES)
   # Only these components: the others bring VTK with them.

@@ -13,7 +13,7 @@ declare -A PACKAGES=(
   # compiler, build tools, and the libraries of core, client, sim, eval and their tests; no gRPC, no PCL
   [build]="
     g++ gcc libc6-dev cmake ninja-build ccache make git pkg-config
-    libeigen3-dev libfftw3-dev libflann-dev libabsl-dev libtbb-dev libxxhash-dev
+    libeigen3-dev libfftw3-dev libflann-dev liblz4-dev libabsl-dev libtbb-dev libxxhash-dev
     libpng-dev libcli11-dev nlohmann-json3-dev
     libgtest-dev libgmock-dev libbenchmark-dev"
   # the paper's rivals (-DCURVEREG_BUILD_BASELINES=OFF does without; by far the largest download)
