@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Runs every libFuzzer target of a build folder for some seconds each; ends at the first one that finds a fault.
-# Inputs that reach new code are kept in out/fuzz/TARGET/corpus and are where the next run starts.
+# Begins with fuzz/seeds/TARGET; inputs that reach new code are kept in out/fuzz/TARGET/corpus for the next run.
 #
 # usage: fuzz.sh BUILD_DIR SECONDS
 set -euo pipefail
@@ -20,6 +20,6 @@ for fuzzer in "${fuzzers[@]}"; do
   mkdir -p "$work/corpus"
   printf '\n== %s for %s s\n' "$name" "$seconds"
   "$fuzzer" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 \
-    -artifact_prefix="$work/" "$work/corpus"
+    -artifact_prefix="$work/" "$work/corpus" "fuzz/seeds/$name"
 done
 printf '\n%d fuzzers, no fault found\n' ${#fuzzers[@]}
