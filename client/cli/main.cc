@@ -13,6 +13,7 @@
 
 #include "client/cli/cli_context.h"
 #include "client/cli/evaluate_command.h"
+#include "client/cli/inspect_command.h"
 #include "client/cli/interrupt_watcher.h"
 #include "client/cli/register_command.h"
 #include "client/cli/simulate_command.h"
@@ -32,7 +33,8 @@ ExitCode ParseAndRun(int argc, char** argv) {
   CLI::App app("Registration of 3-D laser scans of planetary terrain", "curvereg");
   app.set_version_flag("--version", "curvereg " CURVEREG_VERSION);
   app.require_subcommand(1);
-  const std::vector<Command> commands = {AddRegisterCommand(app), AddSimulateCommand(app), AddEvaluateCommand(app)};
+  const std::vector<Command> commands = {AddRegisterCommand(app), AddSimulateCommand(app), AddEvaluateCommand(app),
+                                         AddInspectCommand(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -217,6 +217,23 @@ TEST_F(CliTest, AcceptedStrangersWouldBeCounted) {
   EXPECT_EQ(report["methods"][0]["accepted_wrong"], 0);
 }
 
+TEST_F(CliTest, InspectDrawsEveryStage) {
+  const Finished finished = Run("inspect " + Yard(0) + " --out pictures --json");
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const json result = json::parse(finished.out);
+  std::vector<std::string> names = result["pictures"];
+  EXPECT_THAT(names, ::testing::IsSupersetOf({"range.png", "bearing_angle.png", "elevation.png", "occupancy.png",
+                                              "coefficients.png", "range_doc_2.png", "elevation_doc_3.png",
+                                              "range_keypoints.png", "elevation_keypoints.png"}));
+  for (const std::string& name : names) {
+    EXPECT_THAT(ReadFile(data_->File("pictures/" + name)).substr(0, 8), HasSubstr("PNG")) << name;
+  }
+  EXPECT_GT(result["num_keypoints"]["elevation"], 100);
+  ExpectRefused("inspect absent.pcd --out pictures", "absent.pcd");
+  ExpectRefused("inspect " + Yard(0), "--out");
+  ExpectRefused("inspect " + Yard(0) + " --out pictures --gravity 0,0", "0,0");
+}
+
 TEST_F(CliTest, FoldersThatAreNoDataSetAreNamed) {
   std::filesystem::create_directories(data_->File("nothing"));
   ExpectRefused("evaluate absent --out r", "absent");

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/inspect_command.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/argument_parsing.h"
+#include "client/cli/cloud_arguments.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/scan_pictures.h"
+#include "client/result_json.h"
+#include "core/parallel.h"
+
+namespace curvereg::cli {
+namespace {
+
+struct Arguments {
+  std::string scan;
+  std::string gravity;
+  std::string out;
+  int threads = 0;
+  bool json = false;
+};
+
+constexpr char kNotes[] = R"(Pictures, written as PNG files:
+  range.png, bearing_angle.png       the panoramas: azimuth to the right, elevation upwards; unknown is grey
+  coefficients.png                   log10 of the curvelet coefficients of the range image, coarse scales in the middle
+  elevation.png, occupancy.png       the levelled views from above, x to the right, y upwards, sensor in the middle
+  VIEW_doc_J.png                     differences of curvelets I_c(J) - I_c(J-1) of a view: blue below 0, red above
+  VIEW_keypoints.png                 key points on the conditioned view: red maxima, blue minima
+
+Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or input.
+
+Example:
+  curvereg inspect scan_0000.pcd --out pictures)";
+
+absl::StatusOr<ScanPictures> MakePictures(const Arguments& arguments, const CliContext& context) {
+  absl::StatusOr<Scan> scan = ReadScanArgument(arguments.scan, context);
+  if (!scan.ok()) return scan.status();
+  if (!arguments.gravity.empty()) {
+    const absl::StatusOr<Eigen::Vector3d> gravity = ParseDirection(arguments.gravity);
+    if (!gravity.ok()) return gravity.status();
+    scan->gravity = *gravity;
+  }
+  absl::StatusOr<ScanPictures> pictures = absl::UnknownError("not computed");
+  WithThreadLimit(arguments.threads, [&] { pictures = DrawScan(*scan, context.interrupted); });
+  return pictures;
+}
+
+absl::Status WritePictures(const ScanPictures& pictures, const std::string& folder) {
+  ProgressBar bar("writing pictures");
+  for (std::size_t i = 0; i < pictures.pictures.size(); ++i) {
+    const NamedPicture& named = pictures.pictures[i];
+    const absl::Status status = WritePngFile(absl::StrCat(folder, "/", named.name), named.picture);
+    if (!status.ok()) return status;
+    bar.Update(static_cast<double>(i + 1) / static_cast<double>(pictures.pictures.size()), named.name);
+  }
+  return absl::OkStatus();
+}
+
+std::string ResultLine(const Arguments& arguments, const ScanPictures& pictures) {
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  std::string text = absl::StrCat("points       ", pictures.num_points, "\n");
+  nlohmann::ordered_json keypoints = nlohmann::ordered_json::object();
+  for (const auto& [view, count] : pictures.num_keypoints) {
+    absl::StrAppend(&text, "key points   ", count, " in the ", view, " view\n");
+    keypoints[view] = count;
+  }
+  for (const NamedPicture& named : pictures.pictures) {
+    absl::StrAppend(&text, "picture      ", arguments.out, "/", named.name, "\n");
+    files.push_back(named.name);
+  }
+  if (!arguments.json) return text;
+  return JsonText({{"scan", arguments.scan},
+                   {"num_points", pictures.num_points},
+                   {"num_keypoints", std::move(keypoints)},
+                   {"folder", arguments.out},
+                   {"pictures", std::move(files)}}) +
+         "\n";
+}
+
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
+  const absl::Status folder = PrepareOutputFolder(arguments.out);
+  if (!folder.ok()) return ReportError(folder);
+  const absl::StatusOr<ScanPictures> pictures = MakePictures(arguments, context);
+  if (!pictures.ok()) return ReportError(pictures.status());
+  const absl::Status written = WritePictures(*pictures, arguments.out);
+  if (!written.ok()) return ReportError(written);
+  return PrintResult(ResultLine(arguments, *pictures));
+}
+
+}  // namespace
+
+Command AddInspectCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("inspect", "Draw pictures of every stage that a scan goes through");
+  command->add_option("SCAN", arguments->scan, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS")->required();
+  command->add_option("--out", arguments->out, "Folder for the pictures")->required()->type_name("DIR");
+  command->add_option("--gravity", arguments->gravity, "Direction of gravity (down) in the scan's frame")
+      ->type_name("X,Y,Z");
+  command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+  command->footer(kNotes);
+  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+}
+
+}  // namespace curvereg::cli

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Pictures of the pipeline's images, for `inspect`. Each picture has `zoom` x `zoom` pixels per image pixel, zoom >= 1.
+#ifndef CURVEREG_CLIENT_CLI_STAGE_PICTURES_H_
+#define CURVEREG_CLIENT_CLI_STAGE_PICTURES_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "client/png_file.h"
+#include "core/image.h"
+#include "core/keypoints.h"
+
+namespace curvereg::cli {
+
+// Values in HeightColour from the 2nd to the 98th percentile of the valid ones; invalid pixels are grey.
+// Precondition: images of one size.
+Image<Rgb> ValuePicture(const Image<float>& values, const Image<uint8_t>& valid, int zoom = 1);
+
+// Values in SignedColour; full colour from the 99.5th percentile of their magnitude on.
+Image<Rgb> SignedPicture(const Image<float>& values, int zoom = 1);
+
+// Key points as circles on the grey image: red maxima, blue minima; the coarser the level the larger.
+// `num_levels`: levels of the DoC stack, the finest has the smallest circle.
+Image<Rgb> KeypointPicture(const Image<float>& values, const std::vector<Keypoint>& keypoints, int num_levels,
+                           int zoom = 1);
+
+// The picture upside down: bird's-eye views count rows with y, pictures downwards.
+Image<Rgb> FlippedRows(const Image<Rgb>& picture);
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLIENT_CLI_STAGE_PICTURES_H_
