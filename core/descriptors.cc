@@ -218,8 +218,8 @@ Features DescribeKeypoints(const std::vector<Image<float>>& images, const std::v
     for (size_t i = begin; i < std::min(keypoints.size(), begin + kBlock); ++i) {
       const Keypoint& keypoint = keypoints[i];
       const GradientImage& gradient = gradients[static_cast<size_t>(keypoint.level)];
-      std::vector<float> turns = {0.0F};
-      if (options.oriented) turns = DominantTurns(gradient, keypoint, options);
+      std::vector<float> turns = DominantTurns(gradient, keypoint, options);  // none where the image is flat
+      if (!options.oriented && !turns.empty()) turns = {0.0F};
       for (const float turn : turns) {
         features.keypoints.push_back(keypoint);
         const float angle = 2.0F * kPi * turn;
