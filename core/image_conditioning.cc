@@ -68,6 +68,9 @@ void FillHoles(const Image<uint8_t>& valid, Image<float>& image) {
   levels[0].weights = Image<float>(image.rows, image.cols);
   std::copy(valid.pixels.begin(), valid.pixels.end(), levels[0].weights.pixels.begin());
   levels[0].values = std::move(image);
+  for (size_t i = 0; i < valid.size(); ++i) {
+    if (valid.pixels[i] == 0) levels[0].values.pixels[i] = 0.0F;  // may be NaN, which weight 0 would not silence
+  }
   while (levels.back().values.size() > 1) levels.push_back(Halved(levels.back()));
   if (levels.back().values.empty() || levels.back().weights.pixels[0] == 0.0F) {
     image = Image<float>(levels[0].values.rows, levels[0].values.cols);
