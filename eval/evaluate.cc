@@ -90,6 +90,8 @@ absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<St
     run.method = method;
     run.outcomes = questions;
     for (PairOutcome& outcome : run.outcomes) {
+      // Asked here, too: pairs whose registrations are over in no time would never notice.
+      if (registration.cancellation.stop_requested()) return absl::CancelledError("interrupted");
       const absl::Status status = Answer(options, registration, shelf, outcome);
       if (!status.ok()) return status;
       ++progress.num_done;

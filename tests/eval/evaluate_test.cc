@@ -110,6 +110,14 @@ TEST_F(EvaluateTest, CancellationAndUnreadableScansEndIt) {
   EXPECT_EQ(Evaluate(dataset_, {}, options_).status().message(), "somewhere/1.pcd");
 }
 
+TEST_F(EvaluateTest, StopsBetweenPairsWhenCancelled) {
+  std::stop_source stop;
+  options_.registration.cancellation = stop.get_token();
+  options_.progress = [&](const EvaluationProgress&) { stop.request_stop(); };
+  EXPECT_TRUE(absl::IsCancelled(Evaluate(dataset_, {}, options_).status()));
+  EXPECT_EQ(seen_.size(), 1u);
+}
+
 TEST_F(EvaluateTest, NothingToDoIsAnError) {
   EXPECT_EQ(Evaluate(Dataset{}, {}, options_).status().code(), absl::StatusCode::kInvalidArgument);
   const auto unknown = Evaluate(dataset_, {{"0", "9"}}, options_);
