@@ -31,7 +31,7 @@ bench: build ## Run the benchmarks; results as JSON in out/bench
 fuzz: ## Fuzz every file reader for FUZZ_SECONDS (60) each; needs clang
 	@scripts/install_dependencies.sh build fuzz
 	cmake --preset fuzz
-	cmake --build --preset fuzz -j $(JOBS)
+	cmake --build --preset fuzz -j $(JOBS) --target fuzzers
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 
 format: ## Format the sources in place

@@ -42,7 +42,7 @@ documents() {  # every `folder/file` and (link) that a document names must be th
   local document name
   tracked '*.md' | while read -r document; do
     # shellcheck disable=SC2016
-    grep -oE '`(\.ci|bench|client|cmake|core|docs|eval|scripts|sim|tests)/[A-Za-z0-9_./-]+`' "$document" | tr -d '`' |
+    grep -oE '`(\.ci|bench|client|cmake|core|docs|eval|fuzz|scripts|sim|tests)/[A-Za-z0-9_./-]+`' "$document" | tr -d '`' |
       sort -u | while read -r name; do
         [ -e "$name" ] || compgen -G "$name.*" >/dev/null || echo "$document: names $name, which is not there"
       done
