@@ -50,10 +50,9 @@ def read_trajectory(path):
     """(scan numbers, N x 3 positions); empty when there is no such file."""
     if not path.exists():
         return np.zeros(0), np.zeros((0, 3))
-    rows = np.loadtxt(path, comments="#", ndmin=2)
-    if rows.size == 0:
-        return np.zeros(0), np.zeros((0, 3))
-    return rows[:, 0], rows[:, 1:4]
+    rows = [line.split() for line in path.read_text().splitlines() if line and not line.startswith("#")]
+    values = np.array(rows, dtype=float).reshape(len(rows), 8)
+    return values[:, 0], values[:, 1:4]
 
 
 def read_map(path):
