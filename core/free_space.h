@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/cube_map.h"
 #include "core/rigid_transform.h"
 
 namespace curvereg {
@@ -34,11 +35,11 @@ class FreeSpace {
 
  private:
   FreeSpaceOptions options_;
-  int side_ = 0;
+  CubeMap cube_;
   struct Interval {
     float nearest, farthest;  // [m]; nearest > farthest where nothing was measured
   };
-  std::vector<Interval> bins_;  // 6 faces of side_ x side_, widened to their 3x3 neighbours
+  std::vector<Interval> bins_;  // of cube_, each widened to its neighbours
 };
 
 struct FreeSpaceAgreement {

@@ -80,6 +80,25 @@ void FillHoles(const Image<uint8_t>& valid, Image<float>& image) {
   image = std::move(levels[0].values);
 }
 
+void RemoveSpikes(int radius, float max_deviation, const Image<float>& image, Image<uint8_t>& valid) {
+  const Image<uint8_t> before = valid;
+  std::vector<float> window;
+  for (int row = 0; row < image.rows; ++row) {
+    for (int col = 0; col < image.cols; ++col) {
+      if (before(row, col) == 0) continue;
+      window.clear();
+      for (int r = std::max(0, row - radius); r <= std::min(image.rows - 1, row + radius); ++r) {
+        for (int c = std::max(0, col - radius); c <= std::min(image.cols - 1, col + radius); ++c) {
+          if (before(r, c) != 0) window.push_back(image(r, c));
+        }
+      }
+      const auto middle = window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2);
+      std::nth_element(window.begin(), middle, window.end());
+      if (window.size() < 3 || std::abs(image(row, col) - *middle) > max_deviation) valid(row, col) = 0;
+    }
+  }
+}
+
 void GaussianBlur3x3(double sigma_px, Image<float>& image) {
   if (sigma_px <= 0.0 || image.empty()) return;
   const double side = std::exp(-0.5 / (sigma_px * sigma_px));

@@ -15,6 +15,10 @@ namespace curvereg {
 // as they are. Without any valid pixel the image becomes 0. O(pixels).
 void FillHoles(const Image<uint8_t>& valid, Image<float>& image);
 
+// Marks a valid pixel invalid when it differs by more than `max_deviation` from the median of the valid pixels in the
+// window of (2 * radius + 1)^2 about it, or has fewer than two others there. O(pixels x window).
+void RemoveSpikes(int radius, float max_deviation, const Image<float>& image, Image<uint8_t>& valid);
+
 // Separable 3x3 Gaussian of standard deviation `sigma_px` (0.5 in the paper), borders clamped. sigma_px <= 0: no change.
 void GaussianBlur3x3(double sigma_px, Image<float>& image);
 

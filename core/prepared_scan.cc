@@ -30,4 +30,17 @@ absl::StatusOr<const ViewFeatures*> PreparedScan::View(BirdsEyeView view, size_t
   return &*lazy.features;
 }
 
+const PreparedScan& PreparedScan::Cleaned() const {
+  std::call_once(cleaned_once_, [&] {
+    auto cleaned = std::make_shared<Scan>();
+    cleaned->gravity = scan_->gravity;
+    const Eigen::Vector3d up = verticals_.front().R_level_sensor.row(2);
+    cleaned->points = RemoveIsolatedReturns(scan_->points, up, options_.isolation);
+    PreparationOptions options = options_;
+    options.elevation = options_.cleaned_elevation;
+    cleaned_ = std::make_unique<PreparedScan>(std::move(cleaned), options);
+  });
+  return *cleaned_;
+}
+
 }  // namespace curvereg

@@ -16,6 +16,7 @@
 #include "core/free_space.h"
 #include "core/leveling.h"
 #include "core/scan.h"
+#include "core/scan_filter.h"
 #include "core/view_features.h"
 #include "core/voxel_map.h"
 
@@ -27,6 +28,8 @@ struct PreparationOptions {
   FreeSpaceOptions free_space;
   ViewOptions elevation = ElevationViewOptions();
   ViewOptions occupancy = OccupancyViewOptions();
+  IsolationOptions isolation;
+  ViewOptions cleaned_elevation = CleanedElevationViewOptions();  // the elevation view of Cleaned()
 };
 
 class PreparedScan {
@@ -45,6 +48,10 @@ class PreparedScan {
   // The view levelled by verticals()[vertical]; computed by the first caller, who may be one of several at once.
   absl::StatusOr<const ViewFeatures*> View(BirdsEyeView view, size_t vertical) const;
 
+  // The same scan without isolated returns, its heights taken robustly: for scans with many false returns. Computed by
+  // the first caller.
+  const PreparedScan& Cleaned() const;
+
  private:
   struct LazyView {
     std::once_flag once;
@@ -58,6 +65,8 @@ class PreparedScan {
   FreeSpace free_space_;
   std::vector<LevelingCandidate> verticals_;
   std::vector<std::unique_ptr<LazyView>> views_;  // elevation and occupancy of each vertical
+  mutable std::once_flag cleaned_once_;
+  mutable std::unique_ptr<PreparedScan> cleaned_;
 };
 
 }  // namespace curvereg

@@ -11,6 +11,7 @@
 namespace curvereg {
 namespace {
 
+constexpr double kInlierSigmas = 6.0;  // of the means' spread, about three of the elements' own roughness
 constexpr size_t kBlock = 2048;  // elements per task; fixed, so that sums have one order
 
 // One element of each scan, taken for the same piece of surface, under the current pose.
@@ -22,6 +23,13 @@ struct ElementPair {
   double residual;    // signed distance along the normal [m]
   double inverse_sigma;  // of the residual, from both elements' roughness [1/m]
 };
+
+// Of an element's mean along its normal [m^2]: sampling noise falls with the number of points, but the two scans sample
+// a rough surface at different places, and that part stays.
+double VarianceOfMean(const Surfel& surfel) {
+  constexpr double kLasting = 0.2;
+  return static_cast<double>(surfel.normal_variance) * (1.0 / surfel.count + kLasting);
+}
 
 // The element of `map` at `point`; failing that, of the cell across the nearest face.
 int FindNear(const VoxelMap& map, const Eigen::Vector3f& point) {
@@ -51,7 +59,9 @@ class PairFinder {
   PairFinder(const VoxelMap& source, const VoxelMap& target, const RefinementOptions& options)
       : source_(source), target_(target), options_(options) {}
 
-  // Pairs of each source element with the target's grid, then of each target element with the source's grid: two
+  size_t num_elements() const { return source_.surfels().size() + target_.surfels().size(); }
+
+  // Appends pairs of each source element with the target's grid, then of each target element with the source's grid: two
   // grids average out where their cells happen to cut the surface.
   void Find(const RigidTransform& T_target_source, std::vector<ElementPair>& pairs) const {
     const size_t num_source = source_.surfels().size();
@@ -77,12 +87,12 @@ class PairFinder {
         if (s != nullptr && t != nullptr) AddPair(*s, *t, T_target_source, found);
       }
     });
-    pairs.clear();
     for (const std::vector<ElementPair>& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
   }
 
  private:
   void AddPair(const Surfel& s, const Surfel& t, const RigidTransform& T, std::vector<ElementPair>& pairs) const {
+    if (!s.has_normal || !t.has_normal) return;
     ElementPair pair;
     pair.source_normal = T.linear() * s.normal.cast<double>();
     pair.target_normal = t.normal.cast<double>();
@@ -93,7 +103,7 @@ class PairFinder {
     pair.point_target = T * s.mean.cast<double>();
     pair.residual = pair.normal.dot(t.mean.cast<double>() - pair.point_target);
     const double floor = options_.noise_floor_m;
-    pair.inverse_sigma = 1.0 / std::sqrt(static_cast<double>(s.normal_variance + t.normal_variance) + floor * floor);
+    pair.inverse_sigma = 1.0 / std::sqrt(VarianceOfMean(s) + VarianceOfMean(t) + floor * floor);
     pairs.push_back(pair);
   }
 
@@ -160,6 +170,18 @@ NormalEquations Accumulate(const std::vector<ElementPair>& pairs, double kernel_
   return total;
 }
 
+using Vector21d = Eigen::Matrix<double, 21, 1>;
+
+// Upper triangle, off-diagonal entries doubled, so that v^T A v is a dot product with the products of v's entries.
+Vector21d PackSymmetric(const Matrix6d& A) {
+  Vector21d packed;
+  int k = 0;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) packed[k++] = i == j ? A(i, j) : 2.0 * A(i, j);
+  }
+  return packed;
+}
+
 void Measure(const std::vector<ElementPair>& pairs, double kernel_scale, SurfaceFit& fit) {
   std::vector<double> magnitudes(pairs.size());
   double weight_sum = 0.0, squared = 0.0, squared_m = 0.0;
@@ -171,18 +193,22 @@ void Measure(const std::vector<ElementPair>& pairs, double kernel_scale, Surface
     weight_sum += weight;
     squared += weight * e * e;
     squared_m += weight * pair.residual * pair.residual;
-    if (std::abs(e) < 3.0) ++inliers;
+    if (std::abs(e) < kInlierSigmas) ++inliers;
     magnitudes[i] = std::abs(pair.residual);
     const Vector6d J = Jacobian(pair.point_target, pair.normal);
     const Vector6d J_s = Jacobian(pair.point_target, pair.source_normal);
     const Vector6d J_t = Jacobian(pair.point_target, pair.target_normal);
     const double w = weight * pair.inverse_sigma * pair.inverse_sigma;
     fit.information.noalias() += (w * J) * J.transpose();
-    fit.cross_information.noalias() += (0.5 * w) * (J_s * J_t.transpose() + J_t * J_s.transpose());
+    const Matrix6d cross = (0.5 * w) * (J_s * J_t.transpose() + J_t * J_s.transpose());
+    fit.cross_information += cross;
+    const Vector21d packed = PackSymmetric(cross);
+    fit.cross_information_squares.noalias() += packed * packed.transpose();
   }
   const double variance = std::max(squared / weight_sum, 1e-12);
   fit.information /= variance;
   fit.cross_information /= variance;
+  fit.cross_information_squares /= variance * variance;
   fit.inlier_fraction = static_cast<double>(inliers) / static_cast<double>(pairs.size());
   fit.residual_rms_m = std::sqrt(squared_m / weight_sum);
   fit.residual_median_m = MedianOf(magnitudes);
@@ -193,19 +219,35 @@ void Measure(const std::vector<ElementPair>& pairs, double kernel_scale, Surface
 
 }  // namespace
 
-SurfaceFit RefineOnLevel(const VoxelMap& source, const VoxelMap& target, const RigidTransform& T_target_source,
-                         const RefinementOptions& options, const Stop& stop) {
+double SurfaceFit::NoiseVarianceAlong(const Vector6d& direction) const {
+  Vector21d products;
+  int k = 0;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) products[k++] = direction[i] * direction[j];
+  }
+  return products.dot(cross_information_squares * products);
+}
+
+SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector<VoxelMap>& target, LevelRange levels,
+                          const RigidTransform& T_target_source, const RefinementOptions& options, const Stop& stop) {
   constexpr size_t kMinPairs = 6;
   SurfaceFit fit;
   fit.T_target_source = T_target_source;
-  fit.num_elements = static_cast<int>(source.surfels().size() + target.surfels().size());
-  const PairFinder finder(source, target, options);
+  std::vector<PairFinder> finders;
+  for (size_t level = levels.finest; level <= levels.coarsest; ++level) {
+    finders.emplace_back(source[level], target[level], options);
+    fit.num_elements += static_cast<int>(finders.back().num_elements());
+  }
   std::vector<ElementPair> pairs;
+  const auto find_pairs = [&] {
+    pairs.clear();
+    for (const PairFinder& finder : finders) finder.Find(fit.T_target_source, pairs);
+    fit.num_pairs = static_cast<int>(pairs.size());
+    return pairs.size() >= kMinPairs;
+  };
   double kernel_scale = 1.0;
   for (fit.iterations = 0; fit.iterations < options.max_iterations && !fit.converged; ++fit.iterations) {
-    finder.Find(fit.T_target_source, pairs);
-    fit.num_pairs = static_cast<int>(pairs.size());
-    if (pairs.size() < kMinPairs) return fit;
+    if (!find_pairs()) return fit;
     if (stop.Requested()) break;
     kernel_scale = KernelScale(pairs, options);
     NormalEquations equations = Accumulate(pairs, kernel_scale);
@@ -214,15 +256,19 @@ SurfaceFit RefineOnLevel(const VoxelMap& source, const VoxelMap& target, const R
     equations.H.diagonal().array() += 1e-9 * equations.H.trace();
     const Vector6d delta = equations.H.ldlt().solve(equations.g);
     if (!delta.allFinite()) break;
-    RigidTransform T = TransformFromVector(delta) * fit.T_target_source;
-    fit.T_target_source = T;
+    fit.T_target_source = TransformFromVector(delta) * fit.T_target_source;
     fit.converged = delta.tail<3>().norm() < options.converged_m && delta.head<3>().norm() < options.converged_rad;
   }
   fit.T_target_source = Orthonormalised(fit.T_target_source);
-  finder.Find(fit.T_target_source, pairs);
-  fit.num_pairs = static_cast<int>(pairs.size());
-  if (pairs.size() >= kMinPairs) Measure(pairs, kernel_scale, fit);
+  if (find_pairs()) Measure(pairs, kernel_scale, fit);
   return fit;
+}
+
+Matrix6d PoseCovariance(const SurfaceFit& fit) {
+  constexpr double kWidening = 4.0;
+  Matrix6d information = fit.information;
+  information.diagonal().array() += 1e-9 * information.trace() + 1e-12;
+  return kWidening * information.ldlt().solve(Matrix6d::Identity());
 }
 
 }  // namespace curvereg

@@ -26,26 +26,45 @@ struct RefinementOptions {
   double converged_rad = 1e-5;
 };
 
-// How well the surfaces lie on each other at one level.
+// How well the surfaces lie on each other. Directions are tangent vectors as in rigid_transform.h, target frame.
 struct SurfaceFit {
   RigidTransform T_target_source = RigidTransform::Identity();
-  Matrix6d information = Matrix6d::Zero();        // J^T W J with unit weights normalised by the residual variance
-  Matrix6d cross_information = Matrix6d::Zero();  // the same with one normal from each scan: free of noise bias
-  Matrix6d cross_variance = Matrix6d::Zero();     // per direction i,i: variance of cross_information under pure noise
+  // Sum of w * J * J^T over the element pairs, w the inverse variance of the residuals as observed.
+  Matrix6d information = Matrix6d::Zero();
+  // The same with one normal from each scan, (J_s * J_t^T + J_t * J_s^T) / 2: noise of the normals is independent
+  // between the scans, so it cancels on average where it would feign information above.
+  Matrix6d cross_information = Matrix6d::Zero();
+  // Of each pair's contribution to the cross information, its square summed: see NoiseVarianceAlong.
+  Eigen::Matrix<double, 21, 21> cross_information_squares = Eigen::Matrix<double, 21, 21>::Zero();
   int num_pairs = 0;                // element pairs found
   int num_elements = 0;             // elements asked
-  double inlier_fraction = 0.0;     // pairs within three robust standard deviations floors, of num_pairs
-  double residual_rms_m = 0.0;      // robust (kernel-weighted)
+  double inlier_fraction = 0.0;     // pairs nearer than three times their own roughness, of num_pairs, [0, 1]
+  double residual_rms_m = 0.0;      // kernel-weighted
   double residual_median_m = 0.0;   // of |residual|
   double residual_p90_m = 0.0;
   int iterations = 0;
   bool converged = false;
+
+  // Variance of direction^T * cross_information * direction if the normals along `direction` were pure noise.
+  double NoiseVarianceAlong(const Vector6d& direction) const;
 };
 
-// Refines on one level from `T_target_source`. Fewer than 6 pairs: num_pairs says so and the pose stays. Ends early at
-// a stop request (the pose so far). Deterministic; uses the threads of the innermost WithThreadLimit.
-SurfaceFit RefineOnLevel(const VoxelMap& source, const VoxelMap& target, const RigidTransform& T_target_source,
-                         const RefinementOptions& options, const Stop& stop);
+// Levels of a scan's voxel maps, from fine to coarse, both included.
+struct LevelRange {
+  size_t finest = 0;
+  size_t coarsest = 0;
+};
+
+// Refines from `T_target_source` on all levels of the range together: fine cells weigh most where both scans are dense,
+// coarse ones carry what is thin. Fewer than 6 pairs: num_pairs says so and the pose stays. Ends early at a stop
+// request (the pose so far). Deterministic; uses the threads of the innermost WithThreadLimit.
+// Precondition: both vectors hold the levels of the range, with equal cells.
+SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector<VoxelMap>& target, LevelRange levels,
+                          const RigidTransform& T_target_source, const RefinementOptions& options, const Stop& stop);
+
+// Covariance of (rotation [rad], translation [m]), target frame, left perturbation: inverse of the information, widened
+// because neighbouring elements do not err independently (factor measured in simulation, see docs/method.md).
+Matrix6d PoseCovariance(const SurfaceFit& fit);
 
 }  // namespace curvereg
 

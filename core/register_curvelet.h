@@ -15,7 +15,7 @@ namespace curvereg {
 
 // INVALID_ARGUMENT / CANCELLED as RegisterScans. Uses the threads of the innermost WithThreadLimit.
 absl::StatusOr<RegistrationResult> RegisterCurvelet(const PreparedScan& source, const PreparedScan& target,
-                                                    const RegistrationOptions& options);
+                                                    const RegistrationOptions& options, const Stop& stop);
 
 }  // namespace curvereg
 

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <cstdint>
 #include <span>
+#include <utility>
 
 #include "core/image_conditioning.h"
 #include "core/parallel.h"
@@ -37,15 +38,13 @@ Image<float> WrappedAround(const Image<float>& image) {
   return wrapped;
 }
 
-// Position of a key point of the wrapped image; nothing when it belongs to a copy, fell on a filled hole or is too
-// near.
-std::optional<Eigen::Vector3d> PointOf(const Keypoint& keypoint, const RangeImage& image, const Scan& scan,
-                                       double min_range_m) {
+// Index of the return under a key point of the wrapped image; -1 when the key point belongs to a copy, lies on a filled
+// hole or is too near.
+int32_t ReturnOf(const Keypoint& keypoint, const RangeImage& image, double min_range_m) {
   const int row = static_cast<int>(std::floor(keypoint.row + 0.5F));
   const int col = static_cast<int>(std::floor(keypoint.col + 0.5F)) - kWrapPx;
-  if (!image.range.Contains(row, col) || image.valid(row, col) == 0) return std::nullopt;
-  if (image.range(row, col) < min_range_m) return std::nullopt;
-  return scan.points[static_cast<size_t>(image.point(row, col))].cast<double>();
+  if (!image.range.Contains(row, col) || image.valid(row, col) == 0) return -1;
+  return image.range(row, col) < min_range_m ? -1 : image.point(row, col);
 }
 
 std::vector<PointPair> PairsOf(const PaperFeatures& source, const PaperFeatures& target,
@@ -78,6 +77,25 @@ double ChanceOfAgreement(std::span<const PointPair> pairs, const RigidTransform&
   return static_cast<double>(num_agreeing) / num_ways;
 }
 
+// The scan's image on [0, 1], without holes. Precondition: it has returns.
+Image<float> Conditioned(const RangeImage& image, double blur_sigma_px) {
+  Image<float> conditioned = image.range;
+  FillHoles(image.valid, conditioned);
+  GaussianBlur3x3(blur_sigma_px, conditioned);
+  Normalise(conditioned);
+  return conditioned;
+}
+
+// Key points with a return of their own, of the images that WrappedAround continued.
+std::vector<Keypoint> DetectOnReturns(const std::vector<Image<float>>& bands, const RangeImage& image,
+                                      const PaperOptions& options) {
+  const Image<float> all_valid(bands.front().rows, bands.front().cols, 1.0F);
+  std::vector<Keypoint> keypoints = DetectKeypoints(DifferenceOfCurvelets(bands), all_valid, options.keypoints);
+  std::erase_if(keypoints,
+                [&](const Keypoint& keypoint) { return ReturnOf(keypoint, image, options.min_range_m) < 0; });
+  return keypoints;
+}
+
 void Reject(Reason reason, RegistrationResult& result) { result.verdict = {false, {reason}}; }
 
 void Judge(std::span<const PointPair> pairs, const RansacResult& consensus, const PaperOptions& options,
@@ -98,7 +116,11 @@ void Judge(std::span<const PointPair> pairs, const RansacResult& consensus, cons
 // RANSAC, then SVD of what it kept.
 absl::Status EstimatePose(std::span<const PointPair> pairs, const PaperOptions& options, const Stop& stop,
                           RegistrationResult& result) {
-  absl::StatusOr<RansacResult> consensus = FindRigidConsensus(pairs, options.ransac, stop);
+  if (pairs.size() < 3) {
+    Reject(Reason::kTooFewFeatures, result);
+    return absl::OkStatus();
+  }
+  const absl::StatusOr<RansacResult> consensus = FindRigidConsensus(pairs, options.ransac, stop);
   if (!consensus.ok()) return consensus.status();
   if (!consensus->has_pose) {
     Reject(consensus->is_complete ? Reason::kNoConsensus : Reason::kDeadline, result);
@@ -113,11 +135,18 @@ absl::Status EstimatePose(std::span<const PointPair> pairs, const PaperOptions& 
   return absl::OkStatus();
 }
 
+absl::Status AskStop(const Stop& stop) {
+  if (stop.Cancelled()) return absl::CancelledError("registration was cancelled");
+  if (stop.PastDeadline()) return absl::DeadlineExceededError("registration ran out of time");
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::array<PaperFeatures, 2>> FeaturesOfBoth(const Scan& source, const Scan& target,
-                                                            const PaperOptions& options) {
+                                                            const PaperOptions& options, const Stop& stop) {
   std::array<absl::StatusOr<PaperFeatures>, 2> computed;
-  ParallelFor(
-      2, [&](int i) { computed[static_cast<size_t>(i)] = ComputePaperFeatures(i == 0 ? source : target, options); });
+  ParallelFor(2, [&](int i) {
+    computed[static_cast<size_t>(i)] = ComputePaperFeatures(i == 0 ? source : target, options, stop);
+  });
   std::array<PaperFeatures, 2> both;
   for (size_t i = 0; i < 2; ++i) {
     if (!computed[i].ok()) return computed[i].status();
@@ -128,27 +157,40 @@ absl::StatusOr<std::array<PaperFeatures, 2>> FeaturesOfBoth(const Scan& source, 
 
 }  // namespace
 
-absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const PaperOptions& options) {
+absl::Status Validate(const PaperOptions& options) {
+  if (!(options.blur_sigma_px >= 0.0 && options.blur_sigma_px <= 10.0)) {
+    return absl::InvalidArgumentError("paper: the blur is not within 0 to 10 pixels");
+  }
+  if (!(options.min_range_m >= 0.0) || !std::isfinite(options.min_range_m)) {
+    return absl::InvalidArgumentError("paper: the least range of key points is not a length of at least 0");
+  }
+  if (!(options.matching.epsilon >= 0.0 && options.matching.epsilon <= 1e6)) {
+    return absl::InvalidArgumentError("paper: epsilon of the matching is not within 0 to 1e6");
+  }
+  if (!(options.max_false_alarms > 0.0 && options.max_false_alarms < 1.0)) {
+    return absl::InvalidArgumentError("paper: the number of false alarms is not between 0 and 1");
+  }
+  return Validate(options.ransac);
+}
+
+absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const PaperOptions& options, const Stop& stop) {
+  if (absl::Status status = AskStop(stop); !status.ok()) return status;
   absl::StatusOr<RangeImage> image = ComputeRangeImage(scan.points, options.image);
   if (!image.ok()) return image.status();
   if (image->range.empty()) return PaperFeatures{};
-  Image<float> conditioned = image->range;
-  FillHoles(image->valid, conditioned);
-  GaussianBlur3x3(options.blur_sigma_px, conditioned);
-  Normalise(conditioned);
+  if (absl::Status status = AskStop(stop); !status.ok()) return status;
   absl::StatusOr<std::vector<Image<float>>> bands =
-      ComputeScaleBands(conditioned, {.num_scales = options.num_scales, .windows = WindowShape::kCartesian});
+      ComputeScaleBands(Conditioned(*image, options.blur_sigma_px),
+                        {.num_scales = options.num_scales, .windows = WindowShape::kCartesian});
   if (!bands.ok()) return bands.status();
+  if (absl::Status status = AskStop(stop); !status.ok()) return status;
   for (Image<float>& band : *bands) band = WrappedAround(band);
-  const Image<float> all_valid(bands->front().rows, bands->front().cols, 1.0F);
-  std::vector<Keypoint> kept;
-  for (const Keypoint& keypoint : DetectKeypoints(DifferenceOfCurvelets(*bands), all_valid, options.keypoints)) {
-    if (PointOf(keypoint, *image, scan, options.min_range_m).has_value()) kept.push_back(keypoint);
-  }
+  const std::vector<Keypoint> keypoints = DetectOnReturns(*bands, *image, options);
   PaperFeatures result;
-  result.features = DescribeKeypoints(*bands, kept, options.descriptors);
+  result.features = DescribeKeypoints(*bands, keypoints, options.descriptors);
   for (Keypoint& keypoint : result.features.keypoints) {
-    result.points.push_back(*PointOf(keypoint, *image, scan, options.min_range_m));
+    const int32_t point = ReturnOf(keypoint, *image, options.min_range_m);
+    result.points.push_back(scan.points[static_cast<size_t>(point)].cast<double>());
     keypoint.col -= static_cast<float>(kWrapPx);
   }
   return result;
@@ -156,27 +198,26 @@ absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const Paper
 
 absl::StatusOr<RegistrationResult> RegisterPaper(const Scan& source, const Scan& target, const PaperOptions& options,
                                                  const Stop& stop) {
+  if (absl::Status status = Validate(options); !status.ok()) return status;
   StageTimer timer;
   RegistrationResult result;
-  if (stop.Cancelled()) return absl::CancelledError("registration was cancelled");
-  const absl::StatusOr<std::array<PaperFeatures, 2>> features = FeaturesOfBoth(source, target, options);
+  const absl::StatusOr<std::array<PaperFeatures, 2>> features = FeaturesOfBoth(source, target, options, stop);
+  if (absl::IsDeadlineExceeded(features.status())) {
+    Reject(Reason::kDeadline, result);
+    return result;
+  }
   if (!features.ok()) return features.status();
   timer.Lap("features");
   const auto& [source_features, target_features] = *features;
-  result.evidence.num_source_keypoints = static_cast<int>(source_features.features.size());
-  result.evidence.num_target_keypoints = static_cast<int>(target_features.features.size());
-  if (stop.Cancelled()) return absl::CancelledError("registration was cancelled");
   const std::vector<Match> matches =
       MatchApproximateMutualNearest(source_features.features, target_features.features, options.matching);
-  result.evidence.num_matches = static_cast<int>(matches.size());
   timer.Lap("matching");
-  if (matches.size() < 3) {
-    Reject(Reason::kTooFewFeatures, result);
-  } else if (absl::Status status =
-                 EstimatePose(PairsOf(source_features, target_features, matches), options, stop, result);
-             !status.ok()) {
-    return status;
-  }
+  result.evidence.num_source_keypoints = static_cast<int>(source_features.features.size());
+  result.evidence.num_target_keypoints = static_cast<int>(target_features.features.size());
+  result.evidence.num_matches = static_cast<int>(matches.size());
+  result.evidence.num_attempts = 1;
+  const std::vector<PointPair> pairs = PairsOf(source_features, target_features, matches);
+  if (absl::Status status = EstimatePose(pairs, options, stop, result); !status.ok()) return status;
   timer.Lap("consensus");
   result.stage_times = timer.Take();
   return result;

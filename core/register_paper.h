@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/approximate_matching.h"
 #include "core/descriptors.h"
@@ -30,9 +31,9 @@ namespace curvereg {
 
 // The defaults are the paper's numbers where it gives them; where it does not, the comment says "ours".
 struct PaperOptions {
-  RangeImageOptions image = {.min_rows = 96};  // half a degree; the rows are ours: what five scales need at least
-  double blur_sigma_px = 0.5;                  // of the 3x3 Gaussian
-  int num_scales = 5;                          // J
+  RangeImageOptions image = {.full_sphere = true};  // half a degree, 720 columns; 360 rows from zenith to nadir
+  double blur_sigma_px = 0.5;                       // of the 3x3 Gaussian
+  int num_scales = 5;                               // J
   // Extrema of I_DoC(3) and I_DoC(4), those with a DoC image on either side; of the image on [0, 1].
   KeypointOptions keypoints = {.first_level = 2,
                                .last_level = 3,
@@ -49,19 +50,24 @@ struct PaperOptions {
   double max_false_alarms = 1e-3;
 };
 
+// OK, or INVALID_ARGUMENT that names the first option out of its range, but for those of `image` and `num_scales`,
+// which ComputePaperFeatures refuses.
+absl::Status Validate(const PaperOptions& options);
+
 // Features of one scan and where they are.
 struct PaperFeatures {
   Features features;
   std::vector<Eigen::Vector3d> points;  // of each feature, in the sensor frame [m]
 };
 
-// INVALID_ARGUMENT: an option out of range. A scan without returns has no features.
-absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const PaperOptions& options);
+// A scan without returns has no features. INVALID_ARGUMENT: an option out of range. CANCELLED, DEADLINE_EXCEEDED:
+// `stop` was requested; it is asked between steps of a few milliseconds.
+absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const PaperOptions& options, const Stop& stop);
 
 // T_target_source with counts and stage times; the caller fills digests, seed and total time. Reasons for rejection:
-// kTooFewFeatures (fewer than three in a scan, or three matches), kNoConsensus (no pose, or one that chance explains),
-// kDeadline. A rejected answer has a pose when RANSAC found one. INVALID_ARGUMENT: an option out of range. CANCELLED.
-// Uses the threads of the innermost WithThreadLimit.
+// kTooFewFeatures (fewer than three matches), kNoConsensus (no pose, or one that chance explains), kDeadline. A
+// rejected answer has a pose when RANSAC found one. INVALID_ARGUMENT: an option out of range. CANCELLED: the stop's
+// cancellation. Uses the threads of the innermost WithThreadLimit.
 absl::StatusOr<RegistrationResult> RegisterPaper(const Scan& source, const Scan& target, const PaperOptions& options,
                                                  const Stop& stop);
 

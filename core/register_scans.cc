@@ -19,7 +19,7 @@ absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan&
       prepared[i] = std::make_unique<PreparedScan>(std::shared_ptr<const Scan>(std::shared_ptr<void>(), &scan),
                                                    PreparationOptions{});
     });
-    result = RegisterCurvelet(*prepared[0], *prepared[1], options);
+    Stop stop; result = RegisterCurvelet(*prepared[0], *prepared[1], options, stop);
   });
   return result;
 }

@@ -62,11 +62,38 @@ struct HeightSum {
   float count = 0.0F;
 };
 
+// Lower median of each cell's heights: sorts the heights by cell, then selects.
+BirdsEyeImage MedianElevationImage(const std::vector<Eigen::Vector3f>& points, const Projector& projector,
+                                   const BirdsEyeOptions& options) {
+  BirdsEyeImage result;
+  result.cell_m = options.cell_m;
+  result.values = Image<float>(options.size, options.size);
+  result.valid = Image<uint8_t>(options.size, options.size);
+  std::vector<uint32_t> begin(result.values.size() + 1, 0);
+  const Eigen::Vector3f* first = points.data();
+  const Eigen::Vector3f* last = first + points.size();
+  projector.ForEach(first, last, [&](size_t pixel, float) { ++begin[pixel + 1]; });
+  for (size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+  std::vector<float> heights(begin.back());
+  std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
+  projector.ForEach(first, last, [&](size_t pixel, float height) { heights[next[pixel]++] = height; });
+  for (size_t i = 0; i < result.values.size(); ++i) {
+    if (begin[i] == begin[i + 1]) continue;
+    const auto cell = heights.begin() + begin[i];
+    const auto middle = cell + (begin[i + 1] - begin[i] - 1) / 2;
+    std::nth_element(cell, middle, heights.begin() + begin[i + 1]);
+    result.values.pixels[i] = *middle;
+    result.valid.pixels[i] = 1;
+  }
+  return result;
+}
+
 }  // namespace
 
 BirdsEyeImage ElevationImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_level_sensor,
                              const BirdsEyeOptions& options) {
   const Projector projector(R_level_sensor, options);
+  if (options.median) return MedianElevationImage(points, projector, options);
   std::vector<Image<HeightSum>> sums(NumBlocks(points.size()));
   ParallelFor(static_cast<int>(sums.size()), [&](int block) {
     Image<HeightSum>& image = sums[static_cast<size_t>(block)];

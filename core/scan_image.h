@@ -17,6 +17,7 @@ namespace curvereg {
 struct BirdsEyeOptions {
   double cell_m = 0.25;  // 0.25 m shows rocks and ripples; 0.4 m suits occupancy
   int size = 256;        // cells per side: 64 m of ground
+  bool median = false;   // elevation: a cell's median height instead of its mean; slower, for scans with false returns
 };
 
 // A view from above. Pixel (row, col) covers x in [(col - size/2) * cell, +cell), y likewise with row.
@@ -35,7 +36,7 @@ struct BirdsEyeImage {
   }
 };
 
-// Mean height [m] of the returns in each cell, in the levelled frame (0 at the sensor); 0 and invalid where none fell.
+// Mean (or median) height [m] of the returns in each cell, in the levelled frame (0 at the sensor); 0 and invalid where none fell.
 // Points that are not finite are skipped.
 BirdsEyeImage ElevationImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_level_sensor,
                              const BirdsEyeOptions& options = {});

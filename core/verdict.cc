@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/verdict.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace curvereg {
 
@@ -14,7 +16,6 @@ PoseCheck CheckPose(const PreparedScan& source, const PreparedScan& target, cons
   check.free_space_agreement = std::min(of_source.Agreement(), of_target.Agreement());
   check.overlap_source = of_source.Overlap();
   check.overlap_target = of_target.Overlap();
-  check.overlap_points = std::min(of_source.agreeing, of_target.agreeing);
   return check;
 }
 
@@ -54,6 +55,61 @@ ViewCorrelation CorrelateViews(const ViewFeatures& source, const ViewFeatures& t
     correlation.ncc = (sum_ab - sum_a * sum_b / n) / std::sqrt(variance_a * variance_b);
   }
   return correlation;
+}
+
+double PoseScore(const PoseEvidence& evidence) {
+  const double free_space = evidence.check.free_space_agreement;
+  const double overlap = std::min(evidence.check.overlap_source, evidence.check.overlap_target);
+  constexpr double kSmallResidual = 0.02;  // [m] keeps a perfect fit of few elements from outweighing all else
+  constexpr double kFreeInliers = 4.0;     // a pose that no match proposed (prior, identity) is not out of the race
+  return free_space * free_space * free_space * overlap * evidence.fit.inlier_fraction *
+         (0.1 + std::max(0.0, evidence.image_correlation)) * std::sqrt(kFreeInliers + evidence.num_inliers) /
+         (evidence.fit.residual_rms_m + kSmallResidual);
+}
+
+std::vector<DegenerateDirection> FindDegenerateDirections(const SurfaceFit& fit, double min_information_z) {
+  // Rotations in units that move the surface as much as translations do: divide by its typical distance.
+  const double rotation_trace = fit.information.topLeftCorner<3, 3>().trace();
+  const double translation_trace = fit.information.bottomRightCorner<3, 3>().trace();
+  if (!(rotation_trace > 0.0) || !(translation_trace > 0.0)) return {};
+  Vector6d scale;
+  scale.head<3>().setConstant(1.0 / std::sqrt(rotation_trace / translation_trace));
+  scale.tail<3>().setOnes();
+  const Matrix6d information = scale.asDiagonal() * fit.cross_information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  std::vector<DegenerateDirection> directions;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d direction = solver.eigenvectors().col(i);
+    const double noise = std::sqrt(std::max(0.0, fit.NoiseVarianceAlong(scale.asDiagonal() * direction)));
+    const double value = solver.eigenvalues()[i];
+    if (value > min_information_z * noise) continue;
+    DegenerateDirection degenerate;
+    degenerate.direction = (scale.asDiagonal() * direction).normalized();
+    const double information_along = degenerate.direction.dot(fit.cross_information * degenerate.direction);
+    degenerate.sigma = information_along > 0.0 ? 1.0 / std::sqrt(information_along)
+                                               : std::numeric_limits<double>::infinity();
+    directions.push_back(degenerate);
+  }
+  return directions;
+}
+
+Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<DegenerateDirection>& degenerate,
+                      const VerdictOptions& options) {
+  Verdict verdict;
+  verdict.reasons.clear();
+  const auto reject_if = [&verdict](bool condition, Reason reason) {
+    if (condition) verdict.reasons.push_back(reason);
+  };
+  const double overlap = std::min(evidence.check.overlap_source, evidence.check.overlap_target);
+  reject_if(evidence.fit.num_pairs < 6, Reason::kTooFewPoints);
+  reject_if(evidence.fit.inlier_fraction < options.min_inlier_fraction, Reason::kResidualTooHigh);
+  reject_if(overlap < options.min_overlap, Reason::kOverlapTooLow);
+  reject_if(evidence.check.free_space_agreement < options.min_free_space_agreement, Reason::kFreeSpaceViolated);
+  reject_if(evidence.image_correlation < options.min_image_correlation, Reason::kNoConsensus);
+  reject_if(evidence.runner_up_ratio > options.max_runner_up_ratio, Reason::kAmbiguous);
+  reject_if(!degenerate.empty(), Reason::kDegenerateDirection);
+  verdict.accepted = verdict.reasons.empty();
+  return verdict;
 }
 
 }  // namespace curvereg

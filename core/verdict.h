@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Is the pose to be believed? Measures that do not depend on the sensor's scale decide: agreement of free space both
-// ways, correlation of the band-passed views, how much of the overlapping surface fits within its own roughness, and the
-// distance to the next best pose.
+// Is the pose to be believed? What decides does not depend on the sensor's scale: whether either scan claims surface
+// where the other saw through, how well the band-passed views correlate, how much of the common surface fits within its
+// own roughness, how far behind the next best pose is, and whether every direction of the pose is observed.
+// Nothing is compared with a length in metres.
 #ifndef CURVEREG_CORE_VERDICT_H_
 #define CURVEREG_CORE_VERDICT_H_
+
+#include <vector>
 
 #include "core/prepared_scan.h"
 #include "core/refinement.h"
@@ -18,7 +21,6 @@ struct PoseCheck {
   double free_space_agreement = 0.0;  // the smaller of both ways, [0, 1]
   double overlap_source = 0.0;        // share of the source that the target saw, [0, 1]
   double overlap_target = 0.0;
-  double overlap_points = 0.0;        // number of elements in the smaller overlap
 };
 PoseCheck CheckPose(const PreparedScan& source, const PreparedScan& target, const RigidTransform& T_target_source);
 
@@ -29,6 +31,35 @@ struct ViewCorrelation {
 };
 ViewCorrelation CorrelateViews(const ViewFeatures& source, const ViewFeatures& target,
                                const RigidTransform& T_target_source);
+
+// All that the verdict looks at.
+struct PoseEvidence {
+  PoseCheck check;
+  SurfaceFit fit;
+  double image_correlation = 0.0;  // the best of the views computed, [-1, 1]
+  int num_matches = 0;             // of the view that proposed the pose
+  int num_inliers = 0;
+  double runner_up_ratio = 0.0;    // score of the best different pose over this one's
+};
+
+// Ranks poses of one pair of scans; larger is better, no unit.
+double PoseScore(const PoseEvidence& evidence);
+
+struct VerdictOptions {
+  double min_free_space_agreement = 0.88;
+  double min_overlap = 0.25;
+  double min_image_correlation = 0.4;
+  double min_inlier_fraction = 0.6;
+  double max_runner_up_ratio = 0.7;
+  double min_information_z = 5.0;  // standard deviations by which a direction's information must exceed noise
+};
+
+// Directions that the common surface does not determine (target frame): their information, taken with one normal from
+// each scan so that noise cancels, is not significantly above what noise alone would give.
+std::vector<DegenerateDirection> FindDegenerateDirections(const SurfaceFit& fit, double min_information_z);
+
+Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<DegenerateDirection>& degenerate,
+                      const VerdictOptions& options = {});
 
 }  // namespace curvereg
 

@@ -37,11 +37,22 @@ ViewOptions OccupancyViewOptions() {
   return options;
 }
 
+ViewOptions CleanedElevationViewOptions() {
+  ViewOptions options;
+  options.image.median = true;
+  options.max_spike_m = 0.12;
+  return options;
+}
+
 absl::StatusOr<ViewFeatures> ComputeViewFeatures(const std::vector<Eigen::Vector3f>& points,
                                                  const Eigen::Matrix3d& R_level_sensor, const ViewOptions& options) {
   ViewFeatures result;
   result.R_level_sensor = R_level_sensor;
   result.image = MakeImage(points, R_level_sensor, options, result.slices);
+  if (options.view == BirdsEyeView::kElevation && options.max_spike_m > 0.0) {
+    RemoveSpikes(options.spike_radius_px, static_cast<float>(options.max_spike_m), result.image.values,
+                 result.image.valid);
+  }
   result.valid = result.image.valid;
   Image<float> filled;
   if (options.view == BirdsEyeView::kElevation) {

@@ -22,6 +22,8 @@ enum class BirdsEyeView { kElevation, kOccupancy };
 struct ViewOptions {
   BirdsEyeView view = BirdsEyeView::kElevation;
   BirdsEyeOptions image;
+  int spike_radius_px = 2;          // elevation: window that a cell's height is compared with,
+  double max_spike_m = 0.0;         // and by how much it may stand out; 0: no comparison (clean scans)
   double blur_sigma_px = 0.5;
   int taper_px = 16;
   ScaleBandOptions bands;
@@ -32,6 +34,8 @@ struct ViewOptions {
 // The defaults that were measured best for terrain and for structured scenes.
 ViewOptions ElevationViewOptions();
 ViewOptions OccupancyViewOptions();
+// For scans with false returns: median heights, cells that stand out removed.
+ViewOptions CleanedElevationViewOptions();
 
 struct ViewFeatures {
   Eigen::Matrix3d R_level_sensor = Eigen::Matrix3d::Identity();
