@@ -25,7 +25,7 @@ demo: deps ## Simulate a rover's drive, register its scans, draw the report into
 test: deps build ## Build and run every test
 	ctest --test-dir build/release --output-on-failure --no-tests=error -j $(JOBS)
 
-bench: build ## Run the benchmarks; results as JSON in out/bench
+bench: build ## Run the benchmarks; what they print is kept in out/bench
 	scripts/bench.sh build/release/bench out/bench
 
 fuzz: ## Fuzz every file reader for FUZZ_SECONDS (60) each; needs clang

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: 2026 The Curvereg authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs every benchmark of a folder and keeps its results as JSON (with machine and date, as Google Benchmark writes them).
+# Runs every benchmark of a folder and keeps what each prints, with machine and commit above it, in OUT_DIR/NAME.txt.
 #
 # usage: bench.sh BENCHMARK_DIR OUT_DIR
 set -euo pipefail
@@ -15,9 +15,14 @@ if [ ${#found[@]} -eq 0 ]; then
   echo "bench.sh: no benchmark in $benchmarks; run 'make build' first" >&2
   exit 1
 fi
+processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)
+commit=$(git describe --always --dirty 2>/dev/null || echo 'no commit')
 for bench in "${found[@]}"; do
   name=$(basename "$bench")
   printf '\n== %s\n' "$name"
-  "$bench" --benchmark_counters_tabular=true --benchmark_out="$out/$name.json" --benchmark_out_format=json
+  {
+    printf '# %s, %s processors, commit %s, %s\n' "$processor" "$(nproc)" "$commit" "$(date -u +%FT%TZ)"
+    "$bench"
+  } | tee "$out/$name.txt"
 done
 printf '\nResults in %s\n' "$out"
