@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/approximate_matching.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <flann/flann.hpp>
@@ -11,41 +12,53 @@
 namespace curvereg {
 namespace {
 
+using Tree = flann::KDTreeSingleIndex<flann::L2<float>>;
+
+constexpr size_t kBlock = 16;  // queries between two looks at the stop: milliseconds even among 10^5 features
+
 struct Nearest {
-  std::vector<int> index;
+  std::vector<int> index;  // -1 where the stop came first
   std::vector<float> squared_distance;
 };
 
 // FLANN's matrices are views of memory that may be written; here they are only read.
-flann::Matrix<float> DescriptorRows(const Features& features) {
-  return {const_cast<float*>(features.descriptors.data()), features.size(), kDescriptorSize};
+flann::Matrix<float> DescriptorRows(const Features& features, size_t begin, size_t count) {
+  return {const_cast<float*>(features.Descriptor(begin)), count, kDescriptorSize};
 }
 
-// For each query the nearest of `features`.
-Nearest FindNearest(const Features& queries, const Features& features, const ApproximateMatchingOptions& options) {
-  flann::KDTreeSingleIndex<flann::L2<float>> tree(DescriptorRows(features),
-                                                  flann::KDTreeSingleIndexParams(/*leaf_max_size=*/10));
+// For each query the nearest of `features`, both not empty.
+Nearest FindNearest(const Features& queries, const Features& features, const ApproximateMatchingOptions& options,
+                    const Stop& stop) {
+  Tree tree(DescriptorRows(features, 0, features.size()), flann::KDTreeSingleIndexParams(/*leaf_max_size=*/10));
   tree.buildIndex();
-  Nearest nearest{std::vector<int>(queries.size()), std::vector<float>(queries.size())};
-  flann::Matrix<int> indices(nearest.index.data(), queries.size(), 1);
-  flann::Matrix<float> distances(nearest.squared_distance.data(), queries.size(), 1);
   flann::SearchParams params(flann::FLANN_CHECKS_UNLIMITED, static_cast<float>(options.epsilon));
   params.use_heap = flann::FLANN_False;
-  tree.knnSearch(DescriptorRows(queries), indices, distances, 1, params);
+  Nearest nearest{std::vector<int>(queries.size(), -1), std::vector<float>(queries.size())};
+  ParallelFor(static_cast<int>((queries.size() + kBlock - 1) / kBlock), [&](int block) {
+    if (stop.Requested()) return;
+    const size_t begin = static_cast<size_t>(block) * kBlock;
+    const size_t count = std::min(kBlock, queries.size() - begin);
+    flann::Matrix<int> indices(&nearest.index[begin], count, 1);
+    flann::Matrix<float> distances(&nearest.squared_distance[begin], count, 1);
+    tree.knnSearch(DescriptorRows(queries, begin, count), indices, distances, 1, params);
+  });
   return nearest;
 }
 
 }  // namespace
 
-std::vector<Match> MatchApproximateMutualNearest(const Features& source, const Features& target,
-                                                 const ApproximateMatchingOptions& options) {
-  if (source.size() == 0 || target.size() == 0) return {};
+absl::StatusOr<std::vector<Match>> MatchApproximateMutualNearest(const Features& source, const Features& target,
+                                                                 const ApproximateMatchingOptions& options,
+                                                                 const Stop& stop) {
+  std::vector<Match> matches;
+  if (source.size() == 0 || target.size() == 0) return matches;
   std::array<Nearest, 2> nearest;
   ParallelFor(2, [&](int direction) {
-    if (direction == 0) nearest[0] = FindNearest(source, target, options);
-    if (direction == 1) nearest[1] = FindNearest(target, source, options);
+    if (direction == 0) nearest[0] = FindNearest(source, target, options, stop);
+    if (direction == 1) nearest[1] = FindNearest(target, source, options, stop);
   });
-  std::vector<Match> matches;
+  if (stop.Cancelled()) return absl::CancelledError("matching was cancelled");
+  if (stop.PastDeadline()) return absl::DeadlineExceededError("matching ran out of time");
   for (size_t s = 0; s < source.size(); ++s) {
     const int t = nearest[0].index[s];
     if (nearest[1].index[static_cast<size_t>(t)] != static_cast<int>(s)) continue;

@@ -7,14 +7,18 @@
 #include <limits>
 
 namespace curvereg {
-FreeSpace::FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpaceOptions& options) : options_(options) {
+FreeSpace::FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpaceOptions& options, const Stop& stop)
+    : options_(options) {
   // A scanner sees about a third of the sphere.
   const double wanted = std::sqrt(static_cast<double>(points.size()) / (2.0 * options.points_per_bin));
   cube_.side = std::clamp(static_cast<int>(wanted), 8, options.max_bins_per_side);
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const auto num_bins = static_cast<size_t>(cube_.num_bins());
   std::vector<Interval> single(num_bins, Interval{kInfinity, -kInfinity});
-  for (const Eigen::Vector3f& point : points) {
+  constexpr size_t kPointsPerQuestion = 65536;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (i % kPointsPerQuestion == 0 && stop.Requested()) break;
+    const Eigen::Vector3f& point = points[i];
     const float range = point.norm();
     if (!(range > 0.0F && range < kInfinity)) continue;
     Interval& bin = single[static_cast<size_t>(cube_.BinOf(point))];

@@ -12,6 +12,7 @@
 
 #include "core/cube_map.h"
 #include "core/rigid_transform.h"
+#include "core/stop.h"
 
 namespace curvereg {
 
@@ -26,8 +27,9 @@ struct FreeSpaceOptions {
 class FreeSpace {
  public:
   FreeSpace() = default;
-  // Points in the sensor frame; those not finite or at the origin are skipped.
-  explicit FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpaceOptions& options = {});
+  // Points in the sensor frame; those not finite or at the origin are skipped. Incomplete after a stop request.
+  explicit FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpaceOptions& options = {},
+                     const Stop& stop = {});
 
   enum class Answer { kUnknown, kAgrees, kViolates };
   // Point in the sensor frame. kUnknown: direction never measured, or hidden behind what was.

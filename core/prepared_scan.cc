@@ -5,19 +5,38 @@
 #include "core/parallel.h"
 
 namespace curvereg {
+namespace {
+
+absl::Status StoppedStatus(const Stop& stop) {
+  if (stop.Cancelled()) return absl::CancelledError("registration was cancelled");
+  return absl::DeadlineExceededError("time ran out while a scan was prepared");
+}
+
+}  // namespace
 
 PreparedScan::PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOptions& options)
-    : scan_(std::move(scan)), options_(options) {
-  ParallelFor(2, [this](int task) {
+    : scan_(std::move(scan)), options_(options) {}
+
+absl::StatusOr<std::unique_ptr<const PreparedScan>> PreparedScan::Create(std::shared_ptr<const Scan> scan,
+                                                                         const PreparationOptions& options,
+                                                                         const Stop& stop) {
+  if (absl::Status status = ValidateScan(*scan, options.limits); !status.ok()) return status;
+  std::unique_ptr<PreparedScan> prepared(new PreparedScan(std::move(scan), options));
+  const std::vector<Eigen::Vector3f>& points = prepared->scan_->points;
+  ParallelFor(2, [&](int task) {
     if (task == 0) {
-      free_space_ = FreeSpace(scan_->points, options_.free_space);
+      prepared->free_space_ = FreeSpace(points, options.free_space, stop);
     } else {
-      voxel_maps_ = BuildVoxelMaps(scan_->points, options_.voxels);
-      verticals_ = FindVerticals(voxel_maps_, scan_->gravity, options_.leveling);
+      prepared->voxel_maps_ = BuildVoxelMaps(points, options.voxels, stop);
+      prepared->verticals_ = FindVerticals(prepared->voxel_maps_, prepared->scan_->gravity, options.leveling);
     }
   });
-  for (const Surfel& surfel : voxel_maps_.front().surfels()) representatives_.push_back(surfel.representative);
-  for (size_t i = 0; i < 2 * verticals_.size(); ++i) views_.push_back(std::make_unique<LazyView>());
+  if (stop.Requested()) return StoppedStatus(stop);
+  for (const Surfel& surfel : prepared->voxel_maps_.front().surfels()) {
+    prepared->representatives_.push_back(surfel.representative);
+  }
+  for (size_t i = 0; i < 2 * prepared->verticals_.size(); ++i) prepared->views_.push_back(std::make_unique<LazyView>());
+  return prepared;
 }
 
 absl::StatusOr<const ViewFeatures*> PreparedScan::View(BirdsEyeView view, size_t vertical) const {
@@ -30,17 +49,21 @@ absl::StatusOr<const ViewFeatures*> PreparedScan::View(BirdsEyeView view, size_t
   return &*lazy.features;
 }
 
-const PreparedScan& PreparedScan::Cleaned() const {
-  std::call_once(cleaned_once_, [&] {
-    auto cleaned = std::make_shared<Scan>();
-    cleaned->gravity = scan_->gravity;
+absl::StatusOr<const PreparedScan*> PreparedScan::Cleaned(const Stop& stop) const {
+  const std::lock_guard<std::mutex> lock(cleaned_mutex_);
+  if (cleaned_ == nullptr) {
+    auto scan = std::make_shared<Scan>();
+    scan->gravity = scan_->gravity;
     const Eigen::Vector3d up = verticals_.front().R_level_sensor.row(2);
-    cleaned->points = RemoveIsolatedReturns(scan_->points, up, options_.isolation);
+    scan->points = RemoveIsolatedReturns(scan_->points, up, options_.isolation, stop);
+    if (stop.Requested()) return StoppedStatus(stop);
     PreparationOptions options = options_;
     options.elevation = options_.cleaned_elevation;
-    cleaned_ = std::make_unique<PreparedScan>(std::move(cleaned), options);
-  });
-  return *cleaned_;
+    absl::StatusOr<std::unique_ptr<const PreparedScan>> cleaned = Create(std::move(scan), options, stop);
+    if (!cleaned.ok()) return cleaned.status();
+    cleaned_ = *std::move(cleaned);
+  }
+  return cleaned_.get();
 }
 
 }  // namespace curvereg

@@ -17,12 +17,14 @@
 #include "core/leveling.h"
 #include "core/scan.h"
 #include "core/scan_filter.h"
+#include "core/stop.h"
 #include "core/view_features.h"
 #include "core/voxel_map.h"
 
 namespace curvereg {
 
 struct PreparationOptions {
+  ScanLimits limits;
   VoxelOptions voxels;
   LevelingOptions leveling;
   FreeSpaceOptions free_space;
@@ -34,8 +36,11 @@ struct PreparationOptions {
 
 class PreparedScan {
  public:
-  // Precondition: ValidateScan(*scan) is OK. Uses the threads of the innermost WithThreadLimit.
-  PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOptions& options);
+  // INVALID_ARGUMENT: see ValidateScan. CANCELLED / DEADLINE_EXCEEDED: `stop` was requested meanwhile (it is asked every
+  // few milliseconds of work). Uses the threads of the innermost WithThreadLimit.
+  static absl::StatusOr<std::unique_ptr<const PreparedScan>> Create(std::shared_ptr<const Scan> scan,
+                                                                    const PreparationOptions& options = {},
+                                                                    const Stop& stop = {});
 
   const Scan& scan() const { return *scan_; }
   // Surface elements from fine to coarse.
@@ -49,14 +54,16 @@ class PreparedScan {
   absl::StatusOr<const ViewFeatures*> View(BirdsEyeView view, size_t vertical) const;
 
   // The same scan without isolated returns, its heights taken robustly: for scans with many false returns. Computed by
-  // the first caller.
-  const PreparedScan& Cleaned() const;
+  // the first caller. Errors as Create.
+  absl::StatusOr<const PreparedScan*> Cleaned(const Stop& stop = {}) const;
 
  private:
   struct LazyView {
     std::once_flag once;
     absl::StatusOr<ViewFeatures> features = absl::UnknownError("not computed");
   };
+
+  PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOptions& options);
 
   std::shared_ptr<const Scan> scan_;
   PreparationOptions options_;
@@ -65,8 +72,8 @@ class PreparedScan {
   FreeSpace free_space_;
   std::vector<LevelingCandidate> verticals_;
   std::vector<std::unique_ptr<LazyView>> views_;  // elevation and occupancy of each vertical
-  mutable std::once_flag cleaned_once_;
-  mutable std::unique_ptr<PreparedScan> cleaned_;
+  mutable std::mutex cleaned_mutex_;
+  mutable std::unique_ptr<const PreparedScan> cleaned_;
 };
 
 }  // namespace curvereg

@@ -77,20 +77,9 @@ double IterationsNeeded(size_t num_inliers, size_t num_pairs, double confidence)
   return std::log1p(-confidence) / std::log1p(-all_right);
 }
 
-absl::Status Validate(std::span<const PointPair> pairs, const RansacOptions& options) {
-  if (!(options.inlier_threshold_m > 0.0) || !std::isfinite(options.inlier_threshold_m)) {
-    return absl::InvalidArgumentError("RANSAC: the inlier threshold is not a length above 0");
-  }
-  if (options.max_iterations < 1) return absl::InvalidArgumentError("RANSAC: fewer than one iteration");
-  if (!(options.confidence > 0.0 && options.confidence < 1.0)) {
-    return absl::InvalidArgumentError("RANSAC: the confidence is not between 0 and 1");
-  }
-  for (const PointPair& pair : pairs) {
-    if (!pair.source.allFinite() || !pair.target.allFinite()) {
-      return absl::InvalidArgumentError("RANSAC: a coordinate is not finite");
-    }
-  }
-  return absl::OkStatus();
+bool AllFinite(std::span<const PointPair> pairs) {
+  return std::ranges::all_of(pairs,
+                             [](const PointPair& pair) { return pair.source.allFinite() && pair.target.allFinite(); });
 }
 
 // Natural logarithm of C(n, k). Not by std::lgamma, which writes a global variable.
@@ -102,9 +91,21 @@ double LogBinomial(int n, int k) {
 
 }  // namespace
 
+absl::Status Validate(const RansacOptions& options) {
+  if (!(options.inlier_threshold_m > 0.0) || !std::isfinite(options.inlier_threshold_m)) {
+    return absl::InvalidArgumentError("RANSAC: the inlier threshold is not a length above 0");
+  }
+  if (options.max_iterations < 1) return absl::InvalidArgumentError("RANSAC: fewer than one iteration");
+  if (!(options.confidence > 0.0 && options.confidence < 1.0)) {
+    return absl::InvalidArgumentError("RANSAC: the confidence is not between 0 and 1");
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<RansacResult> FindRigidConsensus(std::span<const PointPair> pairs, const RansacOptions& options,
                                                 const Stop& stop) {
-  if (absl::Status status = Validate(pairs, options); !status.ok()) return status;
+  if (absl::Status status = Validate(options); !status.ok()) return status;
+  if (!AllFinite(pairs)) return absl::InvalidArgumentError("RANSAC: a coordinate is not finite");
   RansacResult result;
   Generator generator(options.seed);
   double num_needed = pairs.size() < kSampleSize ? 0.0 : static_cast<double>(options.max_iterations);

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/rigid_fit.h"
 #include "core/rigid_transform.h"
@@ -25,6 +26,9 @@ struct RansacOptions {
   double confidence = 0.999;
   uint64_t seed = 1;
 };
+
+// OK, or INVALID_ARGUMENT that names the option out of its range.
+absl::Status Validate(const RansacOptions& options);
 
 struct RansacResult {
   RigidTransform T_target_source = RigidTransform::Identity();  // of the sample itself, not refitted; see has_pose

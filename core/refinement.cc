@@ -22,6 +22,7 @@ struct ElementPair {
   Eigen::Vector3d target_normal;
   double residual;    // signed distance along the normal [m]
   double inverse_sigma;  // of the residual, from both elements' roughness [1/m]
+  double normal_noise;   // product of the standard deviations of both normals' directions [rad^2]
 };
 
 // Of an element's mean along its normal [m^2]: sampling noise falls with the number of points, but the two scans sample
@@ -29,6 +30,11 @@ struct ElementPair {
 double VarianceOfMean(const Surfel& surfel) {
   constexpr double kLasting = 0.2;
   return static_cast<double>(surfel.normal_variance) * (1.0 / surfel.count + kLasting);
+}
+
+// Variance [rad^2] of the direction of an element's normal.
+double VarianceOfNormal(const Surfel& surfel) {
+  return static_cast<double>(surfel.normal_variance) / (static_cast<double>(surfel.middle_variance) * surfel.count);
 }
 
 // The element of `map` at `point`; failing that, of the cell across the nearest face.
@@ -104,6 +110,7 @@ class PairFinder {
     pair.residual = pair.normal.dot(t.mean.cast<double>() - pair.point_target);
     const double floor = options_.noise_floor_m;
     pair.inverse_sigma = 1.0 / std::sqrt(VarianceOfMean(s) + VarianceOfMean(t) + floor * floor);
+    pair.normal_noise = std::sqrt(VarianceOfNormal(s) * VarianceOfNormal(t));
     pairs.push_back(pair);
   }
 
@@ -182,39 +189,54 @@ Vector21d PackSymmetric(const Matrix6d& A) {
   return packed;
 }
 
-void Measure(const std::vector<ElementPair>& pairs, double kernel_scale, SurfaceFit& fit) {
+void MeasureResiduals(const std::vector<ElementPair>& pairs, double kernel_scale, SurfaceFit& fit) {
   std::vector<double> magnitudes(pairs.size());
-  double weight_sum = 0.0, squared = 0.0, squared_m = 0.0;
+  double weight_sum = 0.0, squared_m = 0.0;
   int inliers = 0;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    const ElementPair& pair = pairs[i];
-    const double e = pair.residual * pair.inverse_sigma;
+    const double e = pairs[i].residual * pairs[i].inverse_sigma;
     const double weight = KernelWeight(e, kernel_scale);
     weight_sum += weight;
-    squared += weight * e * e;
-    squared_m += weight * pair.residual * pair.residual;
+    squared_m += weight * pairs[i].residual * pairs[i].residual;
     if (std::abs(e) < kInlierSigmas) ++inliers;
-    magnitudes[i] = std::abs(pair.residual);
-    const Vector6d J = Jacobian(pair.point_target, pair.normal);
-    const Vector6d J_s = Jacobian(pair.point_target, pair.source_normal);
-    const Vector6d J_t = Jacobian(pair.point_target, pair.target_normal);
-    const double w = weight * pair.inverse_sigma * pair.inverse_sigma;
-    fit.information.noalias() += (w * J) * J.transpose();
-    const Matrix6d cross = (0.5 * w) * (J_s * J_t.transpose() + J_t * J_s.transpose());
-    fit.cross_information += cross;
-    const Vector21d packed = PackSymmetric(cross);
-    fit.cross_information_squares.noalias() += packed * packed.transpose();
+    magnitudes[i] = std::abs(pairs[i].residual);
   }
-  const double variance = std::max(squared / weight_sum, 1e-12);
-  fit.information /= variance;
-  fit.cross_information /= variance;
-  fit.cross_information_squares /= variance * variance;
   fit.inlier_fraction = static_cast<double>(inliers) / static_cast<double>(pairs.size());
   fit.residual_rms_m = std::sqrt(squared_m / weight_sum);
   fit.residual_median_m = MedianOf(magnitudes);
   const auto p90 = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() * 9 / 10);
   std::nth_element(magnitudes.begin(), p90, magnitudes.end());
   fit.residual_p90_m = *p90;
+}
+
+void MeasureInformation(const std::vector<ElementPair>& pairs, double kernel_scale, SurfaceFit& fit) {
+  constexpr size_t kNoiseStride = 4;  // a sample is enough for a variance
+  double weight_sum = 0.0, squared = 0.0;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const ElementPair& pair = pairs[i];
+    const double e = pair.residual * pair.inverse_sigma;
+    const double kernel_weight = KernelWeight(e, kernel_scale);
+    weight_sum += kernel_weight;
+    squared += kernel_weight * e * e;
+    const double w = kernel_weight * pair.inverse_sigma * pair.inverse_sigma;
+    const Vector6d J = Jacobian(pair.point_target, pair.normal);
+    const Vector6d J_s = Jacobian(pair.point_target, pair.source_normal);
+    const Vector6d J_t = Jacobian(pair.point_target, pair.target_normal);
+    fit.information.noalias() += (w * J) * J.transpose();
+    fit.cross_information.noalias() += (0.5 * w) * (J_s * J_t.transpose() + J_t * J_s.transpose());
+    if (i % kNoiseStride != 0) continue;
+    // The motion of the point along a direction v is D * v; its noise-only share has the size |D * v|^2.
+    Eigen::Matrix<double, 3, 6> D;
+    D << 0.0, pair.point_target.z(), -pair.point_target.y(), 1.0, 0.0, 0.0,  //
+        -pair.point_target.z(), 0.0, pair.point_target.x(), 0.0, 1.0, 0.0,   //
+        pair.point_target.y(), -pair.point_target.x(), 0.0, 0.0, 0.0, 1.0;
+    const Vector21d packed = PackSymmetric((w * pair.normal_noise) * (D.transpose() * D));
+    fit.noise_form.selfadjointView<Eigen::Lower>().rankUpdate(packed, static_cast<double>(kNoiseStride));
+  }
+  const double variance = std::max(squared / weight_sum, 1e-12);
+  fit.information /= variance;
+  fit.cross_information /= variance;
+  fit.noise_form /= variance * variance;
 }
 
 }  // namespace
@@ -225,7 +247,7 @@ double SurfaceFit::NoiseVarianceAlong(const Vector6d& direction) const {
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) products[k++] = direction[i] * direction[j];
   }
-  return products.dot(cross_information_squares * products);
+  return products.dot(noise_form.selfadjointView<Eigen::Lower>() * products);
 }
 
 SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector<VoxelMap>& target, LevelRange levels,
@@ -260,7 +282,9 @@ SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector
     fit.converged = delta.tail<3>().norm() < options.converged_m && delta.head<3>().norm() < options.converged_rad;
   }
   fit.T_target_source = Orthonormalised(fit.T_target_source);
-  if (find_pairs()) Measure(pairs, kernel_scale, fit);
+  if (!find_pairs()) return fit;
+  MeasureResiduals(pairs, kernel_scale, fit);
+  if (options.measure_information) MeasureInformation(pairs, kernel_scale, fit);
   return fit;
 }
 

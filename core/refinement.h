@@ -24,6 +24,7 @@ struct RefinementOptions {
   double noise_floor_m = 0.005;        // added to an element's own roughness in its weight
   double converged_m = 1e-4;           // a step below both ends the level
   double converged_rad = 1e-5;
+  bool measure_information = true;     // false saves time where only pose and residuals are wanted
 };
 
 // How well the surfaces lie on each other. Directions are tangent vectors as in rigid_transform.h, target frame.
@@ -34,8 +35,8 @@ struct SurfaceFit {
   // The same with one normal from each scan, (J_s * J_t^T + J_t * J_s^T) / 2: noise of the normals is independent
   // between the scans, so it cancels on average where it would feign information above.
   Matrix6d cross_information = Matrix6d::Zero();
-  // Of each pair's contribution to the cross information, its square summed: see NoiseVarianceAlong.
-  Eigen::Matrix<double, 21, 21> cross_information_squares = Eigen::Matrix<double, 21, 21>::Zero();
+  // What the noise of the normals alone would add to the cross information, as a quartic form: see NoiseVarianceAlong.
+  Eigen::Matrix<double, 21, 21> noise_form = Eigen::Matrix<double, 21, 21>::Zero();
   int num_pairs = 0;                // element pairs found
   int num_elements = 0;             // elements asked
   double inlier_fraction = 0.0;     // pairs nearer than three times their own roughness, of num_pairs, [0, 1]
@@ -45,7 +46,8 @@ struct SurfaceFit {
   int iterations = 0;
   bool converged = false;
 
-  // Variance of direction^T * cross_information * direction if the normals along `direction` were pure noise.
+  // Variance of direction^T * cross_information * direction if no surface faced the motion along `direction`, so that
+  // only the normals' noise contributed.
   double NoiseVarianceAlong(const Vector6d& direction) const;
 };
 

@@ -50,28 +50,42 @@ class CurveletRegistration {
  public:
   CurveletRegistration(const PreparedScan& source, const PreparedScan& target, const RegistrationOptions& options,
                        const Stop& stop)
-      : source_(source), target_(target), options_(options), stop_(stop) {}
+      : source_(&source), target_(&target), options_(options), stop_(stop) {}
 
   absl::StatusOr<RegistrationResult> Run() {
     AddGuesses();
-    bool cleaned = false;
-    for (const Rung& rung : Ladder(source_, target_)) {
+    for (const Rung& rung : Ladder(*source_, *target_)) {
       if (stop_.Requested()) break;
-      if (rung.cleaned && !cleaned) pool_.clear();  // judged on other points: not comparable
-      cleaned = rung.cleaned;
+      if (rung.cleaned) {
+        if (absl::Status status = SwitchToCleaned(); !status.ok()) return status;
+        if (stop_.Requested()) break;
+      }
       if (absl::Status status = Climb(rung); !status.ok()) return status;
-      Decide(rung);
+      Decide();
       if (result_.verdict.accepted) break;
     }
     if (stop_.Cancelled()) return absl::CancelledError("registration was cancelled");
-    if (stop_.PastDeadline() && !result_.verdict.accepted) result_.verdict.reasons.push_back(Reason::kDeadline);
+    if (!result_.has_pose && stop_.PastDeadline()) result_.verdict.reasons = {Reason::kDeadline};
     result_.stage_times = timer_.Take();
     return std::move(result_);
   }
 
  private:
-  const PreparedScan& Source(const Rung& rung) const { return rung.cleaned ? source_.Cleaned() : source_; }
-  const PreparedScan& Target(const Rung& rung) const { return rung.cleaned ? target_.Cleaned() : target_; }
+  // From here on both scans are taken without their isolated returns. The poses found so far were scored on other
+  // points and are forgotten.
+  absl::Status SwitchToCleaned() {
+    std::array<absl::StatusOr<const PreparedScan*>, 2> cleaned = {nullptr, nullptr};
+    ParallelFor(2, [&](int i) { cleaned[static_cast<size_t>(i)] = (i == 0 ? source_ : target_)->Cleaned(stop_); });
+    for (const auto& scan : cleaned) {
+      if (!scan.ok() && !stop_.Requested()) return scan.status();
+      if (!scan.ok()) return absl::OkStatus();
+    }
+    source_ = *cleaned[0];
+    target_ = *cleaned[1];
+    pool_.clear();
+    timer_.Lap("preparation");
+    return absl::OkStatus();
+  }
 
   // Poses to try whatever the features say: the prior, and no motion.
   void AddGuesses() {
@@ -86,8 +100,8 @@ class CurveletRegistration {
   absl::Status Climb(const Rung& rung) {
     std::array<absl::StatusOr<const ViewFeatures*>, 2> views = {nullptr, nullptr};
     ParallelFor(2, [&](int i) {
-      views[static_cast<size_t>(i)] = i == 0 ? Source(rung).View(rung.view, rung.source_vertical)
-                                             : Target(rung).View(rung.view, rung.target_vertical);
+      views[static_cast<size_t>(i)] = i == 0 ? source_->View(rung.view, rung.source_vertical)
+                                             : target_->View(rung.view, rung.target_vertical);
     });
     for (const auto& view : views) {
       if (!view.ok()) return view.status();
@@ -108,7 +122,7 @@ class CurveletRegistration {
     }
     ParallelFor(static_cast<int>(candidates.size()), [&](int i) {
       Candidate& candidate = candidates[static_cast<size_t>(i)];
-      RefineCoarsely(rung, candidate);
+      RefineCoarsely(candidate);
       candidate.evidence.image_correlation = CorrelateViews(**views[0], **views[1], candidate.T_target_source).ncc;
       candidate.score = PoseScore(candidate.evidence);
     });
@@ -126,12 +140,13 @@ class CurveletRegistration {
     return absl::OkStatus();
   }
 
-  void RefineCoarsely(const Rung& rung, Candidate& candidate) const {
+  void RefineCoarsely(Candidate& candidate) const {
     RefinementOptions options;
+    options.measure_information = false;
     options.converged_m = 0.01;
     options.converged_rad = 0.001;
-    const auto& source_maps = Source(rung).voxel_maps();
-    const auto& target_maps = Target(rung).voxel_maps();
+    const std::vector<VoxelMap>& source_maps = source_->voxel_maps();
+    const std::vector<VoxelMap>& target_maps = target_->voxel_maps();
     const size_t coarsest = source_maps.size() - 1;
     for (size_t level = coarsest; level > 0; --level) {
       options.max_iterations = level == coarsest ? 12 : 8;
@@ -139,7 +154,7 @@ class CurveletRegistration {
                                               options, stop_);
       candidate.T_target_source = candidate.evidence.fit.T_target_source;
     }
-    candidate.evidence.check = CheckPose(Source(rung), Target(rung), candidate.T_target_source);
+    candidate.evidence.check = CheckPose(*source_, *target_, candidate.T_target_source);
   }
 
   // Within five standard deviations of the prior, where it came with a covariance.
@@ -154,21 +169,28 @@ class CurveletRegistration {
   }
 
   // Refines the best candidate to the end and judges it.
-  void Decide(const Rung& rung) {
+  void Decide() {
     if (pool_.empty()) {
-      result_.verdict.reasons = {Reason::kNoConsensus};
+      if (!result_.has_pose) result_.verdict.reasons = {Reason::kNoConsensus};
       return;
     }
-    const PreparedScan& source = Source(rung);
-    const PreparedScan& target = Target(rung);
     Candidate best = pool_.front();
-    best.evidence.fit = RefineOnLevels(source.voxel_maps(), target.voxel_maps(), {0, source.voxel_maps().size() - 1},
+    best.evidence.fit = RefineOnLevels(source_->voxel_maps(), target_->voxel_maps(), {0, source_->voxel_maps().size() - 1},
                                        best.T_target_source, RefinementOptions{}, stop_);
     best.T_target_source = best.evidence.fit.T_target_source;
     timer_.Lap("refinement");
-    best.evidence.check = CheckPose(source, target, best.T_target_source);
+    best.evidence.check = CheckPose(*source_, *target_, best.T_target_source);
     best.evidence.runner_up_ratio = RunnerUpRatio(best.T_target_source);
-    FillResult(best);
+    // A later rung that is no surer does not take the place of an earlier one.
+    const double confidence = PoseConfidence(best.evidence);
+    if (confidence > confidence_) {
+      confidence_ = confidence;
+      FillResult(best.T_target_source, best.evidence, result_);
+    }
+    if (stop_.PastDeadline()) {  // the refinement may have been cut short
+      result_.verdict.accepted = false;
+      result_.verdict.reasons.push_back(Reason::kDeadline);
+    }
     timer_.Lap("verification");
   }
 
@@ -185,35 +207,14 @@ class CurveletRegistration {
     return 0.0;
   }
 
-  void FillResult(const Candidate& best) {
-    const VerdictOptions verdict_options;
-    result_.T_target_source = best.T_target_source;
-    result_.has_pose = true;
-    result_.degenerate_directions = FindDegenerateDirections(best.evidence.fit, verdict_options.min_information_z);
-    result_.verdict = DecideVerdict(best.evidence, result_.degenerate_directions, verdict_options);
-    result_.covariance = PoseCovariance(best.evidence.fit);
-    result_.has_covariance = best.evidence.fit.num_pairs >= 6;
-    Evidence& evidence = result_.evidence;
-    evidence.num_inliers = best.evidence.num_inliers;
-    evidence.num_matches = best.evidence.num_matches;
-    evidence.overlap_source = best.evidence.check.overlap_source;
-    evidence.overlap_target = best.evidence.check.overlap_target;
-    evidence.free_space_agreement = best.evidence.check.free_space_agreement;
-    evidence.image_correlation = best.evidence.image_correlation;
-    evidence.inlier_fraction = best.evidence.fit.inlier_fraction;
-    evidence.residual_rmse_m = best.evidence.fit.residual_rms_m;
-    evidence.residual_median_m = best.evidence.fit.residual_median_m;
-    evidence.residual_p90_m = best.evidence.fit.residual_p90_m;
-    evidence.runner_up_ratio = best.evidence.runner_up_ratio;
-  }
-
-  const PreparedScan& source_;
-  const PreparedScan& target_;
+  const PreparedScan* source_;
+  const PreparedScan* target_;
   const RegistrationOptions& options_;
   const Stop& stop_;
   std::vector<Candidate> guesses_;
   std::vector<Candidate> pool_;  // best first
   RegistrationResult result_;
+  double confidence_ = -1.0;     // of the pose in result_
   StageTimer timer_;
 };
 

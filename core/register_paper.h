@@ -12,15 +12,10 @@
 #ifndef CURVEREG_CORE_REGISTER_PAPER_H_
 #define CURVEREG_CORE_REGISTER_PAPER_H_
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/approximate_matching.h"
-#include "core/descriptors.h"
-#include "core/keypoints.h"
-#include "core/range_image.h"
+#include "core/paper_features.h"
 #include "core/ransac.h"
 #include "core/registration_options.h"
 #include "core/registration_result.h"
@@ -29,40 +24,18 @@
 
 namespace curvereg {
 
-// The defaults are the paper's numbers where it gives them; where it does not, the comment says "ours".
+// The defaults are ours: the paper gives no numbers for these steps.
 struct PaperOptions {
-  RangeImageOptions image = {.full_sphere = true};  // half a degree, 720 columns; 360 rows from zenith to nadir
-  double blur_sigma_px = 0.5;                       // of the 3x3 Gaussian
-  int num_scales = 5;                               // J
-  // Extrema of I_DoC(3) and I_DoC(4), those with a DoC image on either side; of the image on [0, 1].
-  KeypointOptions keypoints = {.first_level = 2,
-                               .last_level = 3,
-                               .min_response = 0.005,   // low contrast
-                               .min_valid_share = 0.0,  // no such rejection in the paper
-                               .max_per_level = 1'000'000,
-                               .border_px = 8};  // ours: half a descriptor window above and below
-  double min_range_m = 5.0;                      // near-range rejection: key points nearer than this; the value is ours
-  DescriptorOptions descriptors = {.step_px = 1.0, .oriented = false};
-  ApproximateMatchingOptions matching;  // ours
-  RansacOptions ransac;                 // ours
-  // Ours: accepted when chance would be expected to bring forth a consensus as large less often than this, see
-  // LogFalseAlarms. In (0, 1).
+  PaperFeatureOptions features;
+  ApproximateMatchingOptions matching;
+  RansacOptions ransac;
+  // Accepted when chance would be expected to bring forth a consensus as large less often than this, see
+  // LogFalseAlarms. In (0, 1). The paper has no verdict; what it counts is inliers.
   double max_false_alarms = 1e-3;
 };
 
-// OK, or INVALID_ARGUMENT that names the first option out of its range, but for those of `image` and `num_scales`,
-// which ComputePaperFeatures refuses.
+// OK, or INVALID_ARGUMENT that names the first option out of its range.
 absl::Status Validate(const PaperOptions& options);
-
-// Features of one scan and where they are.
-struct PaperFeatures {
-  Features features;
-  std::vector<Eigen::Vector3d> points;  // of each feature, in the sensor frame [m]
-};
-
-// A scan without returns has no features. INVALID_ARGUMENT: an option out of range. CANCELLED, DEADLINE_EXCEEDED:
-// `stop` was requested; it is asked between steps of a few milliseconds.
-absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const PaperOptions& options, const Stop& stop);
 
 // T_target_source with counts and stage times; the caller fills digests, seed and total time. Reasons for rejection:
 // kTooFewFeatures (fewer than three matches), kNoConsensus (no pose, or one that chance explains), kDeadline. A

@@ -2,26 +2,161 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/register_scans.h"
 
+#include <xxhash.h>
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "core/parallel.h"
+#include "core/register_baseline.h"
 #include "core/register_curvelet.h"
+#include "core/register_icp.h"
+#include "core/register_paper.h"
 
 namespace curvereg {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+absl::Status ValidateOptions(const RegistrationOptions& options) {
+  if (options.num_threads < 0) return absl::InvalidArgumentError("num_threads must not be negative");
+  if (options.time_budget_s.has_value() && !(*options.time_budget_s > 0.0)) {
+    return absl::InvalidArgumentError("time_budget_s must be positive");
+  }
+  if (!options.prior.has_value()) return absl::OkStatus();
+  if (!IsRigid(options.prior->T_target_source)) {
+    return absl::InvalidArgumentError("the prior is not a rigid transform (rotation not orthonormal, or not finite)");
+  }
+  if (options.prior->covariance.has_value()) {
+    const Eigen::LLT<Matrix6d> cholesky(*options.prior->covariance);
+    if (!options.prior->covariance->allFinite() || cholesky.info() != Eigen::Success) {
+      return absl::InvalidArgumentError("the prior's covariance is not positive definite");
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Everything that changes the answer, as text, hashed; threads do not.
+std::string OptionsDigest(const RegistrationOptions& options) {
+  std::string text = absl::StrCat(std::string(MethodName(options.method)), ";seed=", options.seed);
+  const auto append_matrix = [&text](const Eigen::MatrixXd& matrix) {
+    for (Eigen::Index i = 0; i < matrix.size(); ++i) absl::StrAppendFormat(&text, ",%.17g", matrix.data()[i]);
+  };
+  if (options.prior.has_value()) {
+    append_matrix(options.prior->T_target_source.matrix());
+    if (options.prior->covariance.has_value()) append_matrix(*options.prior->covariance);
+  }
+  if (options.time_budget_s.has_value()) absl::StrAppendFormat(&text, ";budget=%.17g", *options.time_budget_s);
+  absl::StrAppendFormat(&text, ";limits=%d,%d,%.17g", options.limits.min_points, options.limits.max_points,
+                        options.limits.max_coordinate_m);
+  return absl::StrFormat("%016x", XXH3_64bits(text.data(), text.size()));
+}
+
+int64_t CountFinite(const Scan& scan) {
+  int64_t count = 0;
+  for (const Eigen::Vector3f& point : scan.points) count += point.allFinite() ? 1 : 0;
+  return count;
+}
+
+Stop MakeStop(const RegistrationOptions& options, Clock::time_point start) {
+  Stop stop{options.cancellation, std::nullopt};
+  if (options.time_budget_s.has_value()) {
+    stop.deadline = start + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(std::min(*options.time_budget_s, 1e6)));
+  }
+  return stop;
+}
+
+absl::StatusOr<RegistrationResult> RunPreparedMethod(const PreparedScan& source, const PreparedScan& target,
+                                                     const RegistrationOptions& options, const Stop& stop) {
+  if (options.method == Method::kIcp) return RegisterIcp(source, target, options, stop);
+  return RegisterCurvelet(source, target, options, stop);
+}
+
+absl::StatusOr<RegistrationResult> PrepareAndRun(const Scan& source, const Scan& target,
+                                                 const RegistrationOptions& options, const Stop& stop) {
+  const Clock::time_point start = Clock::now();
+  PreparationOptions preparation;
+  preparation.limits = options.limits;
+  std::array<absl::StatusOr<std::unique_ptr<const PreparedScan>>, 2> prepared = {nullptr, nullptr};
+  ParallelFor(2, [&](int i) {
+    // Not owning: both scans outlive this call.
+    std::shared_ptr<const Scan> scan(std::shared_ptr<void>(), i == 0 ? &source : &target);
+    prepared[static_cast<size_t>(i)] = PreparedScan::Create(std::move(scan), preparation, stop);
+  });
+  for (const auto& scan : prepared) {
+    if (scan.ok()) continue;
+    if (!absl::IsDeadlineExceeded(scan.status())) return scan.status();
+    RegistrationResult result;
+    result.verdict.reasons = {Reason::kDeadline};
+    return result;
+  }
+  const double preparation_s = std::chrono::duration<double>(Clock::now() - start).count();
+  absl::StatusOr<RegistrationResult> result = RunPreparedMethod(**prepared[0], **prepared[1], options, stop);
+  if (result.ok()) result->stage_times.insert(result->stage_times.begin(), StageTime{"preparation", preparation_s});
+  return result;
+}
+
+absl::StatusOr<RegistrationResult> RunMethod(const Scan& source, const Scan& target,
+                                             const RegistrationOptions& options, const Stop& stop) {
+  switch (options.method) {
+    case Method::kCurvelet:
+    case Method::kIcp:
+      return PrepareAndRun(source, target, options, stop);
+    case Method::kPaper:
+    case Method::kFpfhSacIa:
+    case Method::kHarris3dFpfh:
+      for (const Scan* scan : {&source, &target}) {
+        if (absl::Status status = ValidateScan(*scan, options.limits); !status.ok()) return status;
+      }
+      if (options.method == Method::kPaper) return RegisterPaper(source, target, options, stop);
+      return RegisterBaseline(source, target, options, stop);
+  }
+  return absl::InvalidArgumentError("unknown method");
+}
+
+// Runs `method` within the thread limit and adds what every result carries.
+template <typename Run>
+absl::StatusOr<RegistrationResult> RunWithin(const RegistrationOptions& options, const Scan& source, const Scan& target,
+                                             const Run& run) {
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  const Clock::time_point start = Clock::now();
+  const Stop stop = MakeStop(options, start);
+  absl::StatusOr<RegistrationResult> result = absl::UnknownError("not run");
+  WithThreadLimit(options.num_threads, [&] { result = run(stop); });
+  if (!result.ok()) return result;
+  result->seed = options.seed;
+  result->options_digest = OptionsDigest(options);
+  result->source_digest = ScanDigest(source);
+  result->target_digest = ScanDigest(target);
+  result->build_id = BuildId();
+  result->evidence.num_source_points = CountFinite(source);
+  result->evidence.num_target_points = CountFinite(target);
+  result->total_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return result;
+}
+
+}  // namespace
+
+std::string BuildId() { return absl::StrCat("curvereg ", CURVEREG_VERSION, " (", __VERSION__, ")"); }
 
 absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan& target,
                                                  const RegistrationOptions& options) {
-  if (absl::Status status = ValidateScan(source, options.limits); !status.ok()) return status;
-  if (absl::Status status = ValidateScan(target, options.limits); !status.ok()) return status;
-  absl::StatusOr<RegistrationResult> result = absl::UnknownError("not run");
-  WithThreadLimit(options.num_threads, [&] {
-    std::unique_ptr<PreparedScan> prepared[2];
-    ParallelFor(2, [&](int i) {
-      const Scan& scan = i == 0 ? source : target;
-      prepared[i] = std::make_unique<PreparedScan>(std::shared_ptr<const Scan>(std::shared_ptr<void>(), &scan),
-                                                   PreparationOptions{});
-    });
-    Stop stop; result = RegisterCurvelet(*prepared[0], *prepared[1], options, stop);
-  });
-  return result;
+  return RunWithin(options, source, target,
+                   [&](const Stop& stop) { return RunMethod(source, target, options, stop); });
+}
+
+absl::StatusOr<RegistrationResult> RegisterPreparedScans(const PreparedScan& source, const PreparedScan& target,
+                                                         const RegistrationOptions& options) {
+  if (options.method != Method::kCurvelet && options.method != Method::kIcp) {
+    return RegisterScans(source.scan(), target.scan(), options);  // methods without a preparation
+  }
+  return RunWithin(options, source.scan(), target.scan(),
+                   [&](const Stop& stop) { return RunPreparedMethod(source, target, options, stop); });
 }
 
 }  // namespace curvereg

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// START HERE. The whole method: two scans in, a rigid transform and its evidence out.
+// START HERE. Two scans in, a rigid transform and its evidence out. The method `curvelet` itself is one screen:
+// CurveletRegistration in register_curvelet.cc.
 #ifndef CURVEREG_CORE_REGISTER_SCANS_H_
 #define CURVEREG_CORE_REGISTER_SCANS_H_
 
+#include <string>
+
 #include "absl/status/statusor.h"
+#include "core/prepared_scan.h"
 #include "core/registration_options.h"
 #include "core/registration_result.h"
 #include "core/scan.h"
@@ -14,9 +18,17 @@ namespace curvereg {
 
 // The rigid transform that lays `source` on `target`, T_target_source, with verdict and evidence.
 // Scans that do not match are an answer (OK, verdict rejected). INVALID_ARGUMENT: a scan or an option that cannot be
-// used (see ValidateScan); CANCELLED: options.cancellation was requested. Deterministic, see RegistrationOptions::seed.
+// used (see ValidateScan); CANCELLED: options.cancellation was requested; UNIMPLEMENTED: a method that this build
+// leaves out. Same scans, options and seed: same bytes at any thread count, times apart.
 absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan& target,
                                                  const RegistrationOptions& options = {});
+
+// The same for scans prepared before: costs what the pair costs.
+absl::StatusOr<RegistrationResult> RegisterPreparedScans(const PreparedScan& source, const PreparedScan& target,
+                                                         const RegistrationOptions& options = {});
+
+// Name, version and compiler of this build.
+std::string BuildId();
 
 }  // namespace curvereg
 

@@ -65,12 +65,14 @@ bool IsSupported(const BinnedReturns& binned, int bin, const Return& own, const 
 }  // namespace
 
 std::vector<Eigen::Vector3f> RemoveIsolatedReturns(const std::vector<Eigen::Vector3f>& points,
-                                                   const Eigen::Vector3d& up, const IsolationOptions& options) {
+                                                   const Eigen::Vector3d& up, const IsolationOptions& options,
+                                                   const Stop& stop) {
   const Eigen::Vector3f up_f = up.cast<float>();
   const BinnedReturns binned = SortIntoBins(points, up_f, options.bins_per_side);
   constexpr size_t kBlock = 16384;
   std::vector<std::vector<Eigen::Vector3f>> kept((points.size() + kBlock - 1) / kBlock);
   ParallelFor(static_cast<int>(kept.size()), [&](int block) {
+    if (stop.Requested()) return;
     const size_t begin = static_cast<size_t>(block) * kBlock;
     for (size_t i = begin; i < std::min(points.size(), begin + kBlock); ++i) {
       if (binned.bin_of_point[i] < 0) continue;

@@ -10,6 +10,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/stop.h"
+
 namespace curvereg {
 
 struct IsolationOptions {
@@ -23,9 +25,10 @@ struct IsolationOptions {
 };
 
 // The finite points that are not isolated, in their order. `up`: unit vector of the vertical in the sensor frame.
-// O(points x neighbours). Uses the threads of the innermost WithThreadLimit.
+// O(points x neighbours). After a stop request what is returned is incomplete. Uses the threads of the innermost WithThreadLimit.
 std::vector<Eigen::Vector3f> RemoveIsolatedReturns(const std::vector<Eigen::Vector3f>& points,
-                                                   const Eigen::Vector3d& up, const IsolationOptions& options = {});
+                                                   const Eigen::Vector3d& up, const IsolationOptions& options = {},
+                                                   const Stop& stop = {});
 
 }  // namespace curvereg
 

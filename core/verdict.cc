@@ -67,6 +67,12 @@ double PoseScore(const PoseEvidence& evidence) {
          (evidence.fit.residual_rms_m + kSmallResidual);
 }
 
+double PoseConfidence(const PoseEvidence& evidence) {
+  const double free_space = evidence.check.free_space_agreement;
+  return free_space * free_space * free_space * evidence.fit.inlier_fraction *
+         (0.1 + std::max(0.0, evidence.image_correlation));
+}
+
 std::vector<DegenerateDirection> FindDegenerateDirections(const SurfaceFit& fit, double min_information_z) {
   // Rotations in units that move the surface as much as translations do: divide by its typical distance.
   const double rotation_trace = fit.information.topLeftCorner<3, 3>().trace();
@@ -110,6 +116,28 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
   reject_if(!degenerate.empty(), Reason::kDegenerateDirection);
   verdict.accepted = verdict.reasons.empty();
   return verdict;
+}
+
+void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evidence, RegistrationResult& result) {
+  const VerdictOptions options;
+  result.T_target_source = T_target_source;
+  result.has_pose = true;
+  result.degenerate_directions = FindDegenerateDirections(evidence.fit, options.min_information_z);
+  result.verdict = DecideVerdict(evidence, result.degenerate_directions, options);
+  result.covariance = PoseCovariance(evidence.fit);
+  result.has_covariance = evidence.fit.num_pairs >= 6;
+  Evidence& measures = result.evidence;
+  measures.num_inliers = evidence.num_inliers;
+  measures.num_matches = evidence.num_matches;
+  measures.overlap_source = evidence.check.overlap_source;
+  measures.overlap_target = evidence.check.overlap_target;
+  measures.free_space_agreement = evidence.check.free_space_agreement;
+  measures.image_correlation = evidence.image_correlation;
+  measures.inlier_fraction = evidence.fit.inlier_fraction;
+  measures.residual_rmse_m = evidence.fit.residual_rms_m;
+  measures.residual_median_m = evidence.fit.residual_median_m;
+  measures.residual_p90_m = evidence.fit.residual_p90_m;
+  measures.runner_up_ratio = evidence.runner_up_ratio;
 }
 
 }  // namespace curvereg

@@ -45,11 +45,14 @@ struct PoseEvidence {
 // Ranks poses of one pair of scans; larger is better, no unit.
 double PoseScore(const PoseEvidence& evidence);
 
+// How sure a pose is, comparable between different pairs and between the rungs of the ladder, [0, 1.1].
+double PoseConfidence(const PoseEvidence& evidence);
+
 struct VerdictOptions {
   double min_free_space_agreement = 0.88;
   double min_overlap = 0.25;
   double min_image_correlation = 0.4;
-  double min_inlier_fraction = 0.6;
+  double min_inlier_fraction = 0.75;
   double max_runner_up_ratio = 0.7;
   double min_information_z = 5.0;  // standard deviations by which a direction's information must exceed noise
 };
@@ -60,6 +63,9 @@ std::vector<DegenerateDirection> FindDegenerateDirections(const SurfaceFit& fit,
 
 Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<DegenerateDirection>& degenerate,
                       const VerdictOptions& options = {});
+
+// Judges `T_target_source` and writes it down: pose, verdict, covariance, degenerate directions and the measures.
+void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evidence, RegistrationResult& result);
 
 }  // namespace curvereg
 

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/parallel.h"
 
@@ -15,6 +16,7 @@ constexpr int kKeyBits = 21;
 constexpr int kKeyOffset = 1 << (kKeyBits - 1);
 constexpr uint64_t kEmptyKey = ~uint64_t{0};
 constexpr uint64_t kHashFactor = 0x9E3779B97F4A7C15ULL;
+constexpr double kMinWidth = 0.06;  // of a cell: standard deviation across; a filled cell has 0.29
 constexpr size_t kPointsPerBlock = 65536;  // fixed, so that the order of sums does not depend on the thread count
 
 int FloorToInt(float value) {
@@ -139,10 +141,11 @@ void AccumulatePoints(const Eigen::Vector3f* begin, const Eigen::Vector3f* end, 
   }
 }
 
-MomentGrid FinestGrid(const std::vector<Eigen::Vector3f>& points, double cell_m) {
+MomentGrid FinestGrid(const std::vector<Eigen::Vector3f>& points, double cell_m, const Stop& stop) {
   const size_t num_blocks = std::max<size_t>(1, (points.size() + kPointsPerBlock - 1) / kPointsPerBlock);
   std::vector<MomentGrid> grids(num_blocks, MomentGrid(2048));
   ParallelFor(static_cast<int>(num_blocks), [&](int block) {
+    if (stop.Requested()) return;
     const size_t begin = static_cast<size_t>(block) * kPointsPerBlock;
     const size_t end = std::min(points.size(), begin + kPointsPerBlock);
     AccumulatePoints(points.data() + begin, points.data() + end, static_cast<float>(cell_m),
@@ -170,7 +173,7 @@ MomentGrid Coarsened(const MomentGrid& fine, double fine_cell_m) {
   return coarse;
 }
 
-Surfel SurfelFromMoments(const Moments& m, const Eigen::Vector3d& centre) {
+Surfel SurfelFromMoments(const Moments& m, const Eigen::Vector3d& centre, double cell_m) {
   const Eigen::Vector3d offset(m.x / m.n, m.y / m.n, m.z / m.n);
   Eigen::Matrix3d covariance;
   covariance << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
@@ -188,6 +191,7 @@ Surfel SurfelFromMoments(const Moments& m, const Eigen::Vector3d& centre) {
   surfel.normal_variance = std::max(0.0F, static_cast<float>(solver.eigenvalues()[0]));
   surfel.middle_variance = std::max(0.0F, static_cast<float>(solver.eigenvalues()[1]));
   surfel.count = static_cast<int>(m.n);
+  surfel.has_normal = surfel.middle_variance > std::pow(kMinWidth * cell_m, 2);
   return surfel;
 }
 
@@ -205,7 +209,7 @@ VoxelMap MapFromGrid(const MomentGrid& grid, double cell_m, int min_points) {
     const size_t begin = static_cast<size_t>(block) * kBlock;
     for (size_t i = begin; i < std::min(keys.size(), begin + kBlock); ++i) {
       const Eigen::Vector3d centre = (UnpackKey(keys[i]).cast<double>().array() + 0.5) * cell_m;
-      surfels[i] = SurfelFromMoments(*cells[i], centre);
+      surfels[i] = SurfelFromMoments(*cells[i], centre, cell_m);
     }
   });
   return VoxelMap(cell_m, std::move(surfels), keys);
@@ -238,9 +242,10 @@ int VoxelMap::Find(const Eigen::Vector3f& point) const {
   return -1;
 }
 
-std::vector<VoxelMap> BuildVoxelMaps(const std::vector<Eigen::Vector3f>& points, const VoxelOptions& options) {
+std::vector<VoxelMap> BuildVoxelMaps(const std::vector<Eigen::Vector3f>& points, const VoxelOptions& options,
+                                     const Stop& stop) {
   std::vector<MomentGrid> grids;
-  grids.push_back(FinestGrid(points, options.finest_cell_m));
+  grids.push_back(FinestGrid(points, options.finest_cell_m, stop));
   for (int level = 1; level < options.num_levels; ++level) {
     grids.push_back(Coarsened(grids.back(), options.finest_cell_m * (1 << (level - 1))));
   }

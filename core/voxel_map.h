@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/stop.h"
+
 namespace curvereg {
 
 struct Surfel {
@@ -22,6 +24,7 @@ struct Surfel {
   float normal_variance = 0.0F;     // smallest eigenvalue [m^2]
   float middle_variance = 0.0F;     // middle eigenvalue [m^2]; small when the points lie on a line
   int count = 0;                    // points in the cell
+  bool has_normal = false;          // false when the points lie on a line (one scan ring): the normal means nothing
 };
 
 // Cells with enough points of one grid, findable by position.
@@ -52,8 +55,9 @@ struct VoxelOptions {
 };
 
 // Levels from fine to coarse. Points that are not finite are skipped. Empty input gives empty levels.
-// O(points). Runs on the threads of the innermost WithThreadLimit.
-std::vector<VoxelMap> BuildVoxelMaps(const std::vector<Eigen::Vector3f>& points, const VoxelOptions& options = {});
+// O(points). Incomplete after a stop request. Runs on the threads of the innermost WithThreadLimit.
+std::vector<VoxelMap> BuildVoxelMaps(const std::vector<Eigen::Vector3f>& points, const VoxelOptions& options = {},
+                                     const Stop& stop = {});
 
 }  // namespace curvereg
 

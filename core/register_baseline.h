@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The paper's two rivals behind the interface of the other methods. They know no verdict of their own: a pose counts as
+// accepted when their last step converged, which is all that they can say of themselves.
+#ifndef CURVEREG_CORE_REGISTER_BASELINE_H_
+#define CURVEREG_CORE_REGISTER_BASELINE_H_
+
+#include "absl/status/statusor.h"
+#include "core/registration_options.h"
+#include "core/registration_result.h"
+#include "core/stop.h"
+
+namespace curvereg {
+
+// Precondition: options.method is kFpfhSacIa or kHarris3dFpfh. Errors as RegisterScans; UNIMPLEMENTED in a build
+// without PCL.
+absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan& source, const Scan& target,
+                                                    const RegistrationOptions& options, const Stop& stop);
+
+}  // namespace curvereg
+
+#endif  // CURVEREG_CORE_REGISTER_BASELINE_H_
