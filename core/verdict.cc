@@ -106,13 +106,15 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
   const auto reject_if = [&verdict](bool condition, Reason reason) {
     if (condition) verdict.reasons.push_back(reason);
   };
-  const double overlap = std::min(evidence.check.overlap_source, evidence.check.overlap_target);
+  // Written so that what is not a number rejects.
+  const bool overlaps = evidence.check.overlap_source >= options.min_overlap &&
+                        evidence.check.overlap_target >= options.min_overlap;
   reject_if(evidence.fit.num_pairs < 6, Reason::kTooFewPoints);
-  reject_if(evidence.fit.inlier_fraction < options.min_inlier_fraction, Reason::kResidualTooHigh);
-  reject_if(overlap < options.min_overlap, Reason::kOverlapTooLow);
-  reject_if(evidence.check.free_space_agreement < options.min_free_space_agreement, Reason::kFreeSpaceViolated);
-  reject_if(evidence.image_correlation < options.min_image_correlation, Reason::kNoConsensus);
-  reject_if(evidence.runner_up_ratio > options.max_runner_up_ratio, Reason::kAmbiguous);
+  reject_if(!(evidence.fit.inlier_fraction >= options.min_inlier_fraction), Reason::kResidualTooHigh);
+  reject_if(!overlaps, Reason::kOverlapTooLow);
+  reject_if(!(evidence.check.free_space_agreement >= options.min_free_space_agreement), Reason::kFreeSpaceViolated);
+  reject_if(!(evidence.image_correlation >= options.min_image_correlation), Reason::kNoConsensus);
+  reject_if(!(evidence.runner_up_ratio <= options.max_runner_up_ratio), Reason::kAmbiguous);
   reject_if(!degenerate.empty(), Reason::kDegenerateDirection);
   verdict.accepted = verdict.reasons.empty();
   return verdict;
