@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "tests/testing/scenes.h"
 
@@ -96,6 +97,34 @@ TEST(FillHolesTest, WithoutValidPixelsTheImageIsZero) {
   Image<float> empty;
   FillHoles(Image<uint8_t>(), empty);
   EXPECT_TRUE(empty.empty());
+}
+
+TEST(RemoveSpikesTest, MarksWhatStandsOutInvalid) {
+  const Image<float> plane = Plane(20, 20, 1.0, 0.01, 0.02);
+  Image<float> image = plane;
+  image(10, 10) += 0.5F;
+  image(3, 15) -= 0.5F;
+  image(0, 0) += 0.5F;
+  image(15, 5) += 0.2F;  // within the limit
+  Image<uint8_t> valid(20, 20, 1);
+  RemoveSpikes(2, 0.3F, image, valid);
+  for (int row = 0; row < 20; ++row) {
+    for (int col = 0; col < 20; ++col) {
+      EXPECT_EQ(valid(row, col), std::abs(image(row, col) - plane(row, col)) > 0.3F ? 0 : 1) << row << " " << col;
+    }
+  }
+}
+
+TEST(RemoveSpikesTest, PixelsWithoutTwoNeighboursAreDropped) {
+  Image<uint8_t> valid(20, 20);
+  valid(3, 3) = valid(3, 4) = 1;                      // a pair
+  valid(12, 12) = valid(12, 13) = valid(13, 12) = 1;  // three
+  RemoveSpikes(2, 0.3F, Image<float>(20, 20, 1.0F), valid);
+  EXPECT_EQ(std::accumulate(valid.pixels.begin(), valid.pixels.end(), 0), 3);
+  EXPECT_EQ(valid(12, 12), 1);
+  Image<uint8_t> none(20, 20);
+  RemoveSpikes(2, 0.3F, Image<float>(20, 20, 1.0F), none);
+  EXPECT_EQ(std::accumulate(none.pixels.begin(), none.pixels.end(), 0), 0);
 }
 
 TEST(GaussianBlur3x3Test, SpreadsAnImpulseByTheGaussian) {

@@ -41,6 +41,19 @@ TEST(ScanImageTest, ElevationIsTheMeanHeightOfEachCell) {
   EXPECT_EQ(image.values(0, 0), 0.0F);
 }
 
+TEST(ScanImageTest, MedianHeightsIgnoreAFalseReturn) {
+  Points points;
+  for (const float height : {-1.02F, -1.0F, 7.0F, -0.98F, -1.01F}) points.emplace_back(0.1F, 0.2F, height);
+  points.emplace_back(-0.1F, 1.1F, 3.0F);
+  BirdsEyeOptions options = kSmall;
+  options.median = true;
+  const BirdsEyeImage image = ElevationImage(points, kUpright, options);
+  EXPECT_FLOAT_EQ(image.values(8, 8), -1.0F);
+  EXPECT_FLOAT_EQ(image.values(10, 7), 3.0F);
+  EXPECT_EQ(NumValid(image), 2);
+  EXPECT_EQ(NumValid(ElevationImage({}, kUpright, options)), 0);
+}
+
 TEST(ScanImageTest, ElevationOfATiltedPlane) {
   const Eigen::Vector3d normal = Eigen::Vector3d(-0.1, -0.2, 1.0).normalized();
   const auto points = testing::PatchPoints({.centre = {0.0, 0.0, -1.5}, .normal = normal, .side_m = 12.0}, 50000, 4);
