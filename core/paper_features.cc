@@ -12,7 +12,8 @@
 namespace curvereg {
 namespace {
 
-// Columns by which an image is continued around the circle, so that no key point or descriptor window meets the seam.
+// Columns by which the bands are continued around the circle, so that no key point or descriptor window meets the seam;
+// fewer than an image of the coarsest step has.
 constexpr int kWrapPx = 24;
 
 void Normalise(Image<float>& image) {
@@ -22,14 +23,24 @@ void Normalise(Image<float>& image) {
   for (float& value : image.pixels) value = (value - offset) * scale;
 }
 
-Image<float> WrappedAround(const Image<float>& image) {
-  Image<float> wrapped(image.rows, image.cols + 2 * kWrapPx);
+// The image with `margin` more columns on either side, taken from the other one. Precondition: margin <= columns.
+template <typename T>
+Image<T> WrappedAround(const Image<T>& image, int margin) {
+  Image<T> wrapped(image.rows, image.cols + 2 * margin);
   for (int row = 0; row < image.rows; ++row) {
-    for (int col = 0; col < wrapped.cols; ++col) {
-      wrapped(row, col) = image(row, (col - kWrapPx + image.cols) % image.cols);
-    }
+    const T* in = image.Row(row);
+    T* out = std::copy_n(in + image.cols - margin, margin, wrapped.Row(row));
+    out = std::copy_n(in, image.cols, out);
+    std::copy_n(in, margin, out);
   }
   return wrapped;
+}
+
+// Takes the margins off again.
+Image<float> Unwrapped(const Image<float>& wrapped, int margin) {
+  Image<float> image(wrapped.rows, wrapped.cols - 2 * margin);
+  for (int row = 0; row < image.rows; ++row) std::copy_n(wrapped.Row(row) + margin, image.cols, image.Row(row));
+  return image;
 }
 
 // Index of the return under a key point of the wrapped image; -1 when the key point belongs to a copy, lies on a filled
@@ -43,9 +54,11 @@ int32_t ReturnOf(const Keypoint& keypoint, const RangeImage& image, double min_r
 
 // The scan's image on [0, 1], without holes. Precondition: it has returns.
 Image<float> Conditioned(const RangeImage& image, double blur_sigma_px) {
-  Image<float> conditioned = image.range;
-  FillHoles(image.valid, conditioned);
-  GaussianBlur3x3(blur_sigma_px, conditioned);
+  const int margin = image.range.cols / 2;  // as wide as the holes are: half the sky
+  Image<float> wrapped = WrappedAround(image.range, margin);
+  FillHoles(WrappedAround(image.valid, margin), wrapped);
+  GaussianBlur3x3(blur_sigma_px, wrapped);
+  Image<float> conditioned = Unwrapped(wrapped, margin);
   Normalise(conditioned);
   return conditioned;
 }
@@ -90,7 +103,7 @@ absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const Paper
                         {.num_scales = options.num_scales, .windows = WindowShape::kCartesian});
   if (!bands.ok()) return bands.status();
   if (absl::Status status = AskStop(stop); !status.ok()) return status;
-  for (Image<float>& band : *bands) band = WrappedAround(band);
+  for (Image<float>& band : *bands) band = WrappedAround(band, kWrapPx);
   const std::vector<Keypoint> keypoints = DetectOnReturns(*bands, *image, options);
   PaperFeatures result;
   result.features = DescribeKeypoints(*bands, keypoints, options.descriptors);
