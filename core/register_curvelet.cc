@@ -57,7 +57,9 @@ class CurveletRegistration {
     for (const Rung& rung : Ladder(*source_, *target_)) {
       if (stop_.Requested()) break;
       if (rung.cleaned) {
-        if (absl::Status status = SwitchToCleaned(); !status.ok()) return status;
+        const absl::Status status = SwitchToCleaned();
+        if (absl::IsInvalidArgument(status)) break;  // too little is left: the answer so far stands
+        if (!status.ok()) return status;
         if (stop_.Requested()) break;
       }
       if (absl::Status status = Climb(rung); !status.ok()) return status;
@@ -65,7 +67,10 @@ class CurveletRegistration {
       if (result_.verdict.accepted) break;
     }
     if (stop_.Cancelled()) return absl::CancelledError("registration was cancelled");
-    if (!result_.has_pose && stop_.PastDeadline()) result_.verdict.reasons = {Reason::kDeadline};
+    std::vector<Reason>& reasons = result_.verdict.reasons;
+    if (!result_.has_pose && stop_.PastDeadline()) reasons.clear();
+    const bool is_marked = std::find(reasons.begin(), reasons.end(), Reason::kDeadline) != reasons.end();
+    if (!result_.verdict.accepted && !is_marked && stop_.PastDeadline()) reasons.push_back(Reason::kDeadline);
     result_.stage_times = timer_.Take();
     return std::move(result_);
   }
