@@ -125,21 +125,23 @@ class CurveletRegistration {
       candidate.evidence.num_matches = found.num_matches;
       candidates.push_back(candidate);
     }
-    ParallelFor(static_cast<int>(candidates.size()), [&](int i) {
-      Candidate& candidate = candidates[static_cast<size_t>(i)];
-      RefineCoarsely(candidate);
-      candidate.evidence.image_correlation = CorrelateViews(**views[0], **views[1], candidate.T_target_source).ncc;
-      candidate.score = PoseScore(candidate.evidence);
-    });
+    ParallelFor(static_cast<int>(candidates.size()),
+                [&](int i) { RefineCoarsely(candidates[static_cast<size_t>(i)]); });
     for (Candidate& candidate : candidates) {
       if (AllowedByPrior(candidate.T_target_source)) pool_.push_back(std::move(candidate));
     }
+    // Earlier candidates too: a view that shows a pose badly must not be held against it.
+    ParallelFor(static_cast<int>(pool_.size()), [&](int i) {
+      Candidate& candidate = pool_[static_cast<size_t>(i)];
+      const double ncc = CorrelateViews(**views[0], **views[1], candidate.T_target_source).ncc;
+      candidate.evidence.image_correlation = std::max(candidate.evidence.image_correlation, ncc);
+      candidate.score = PoseScore(candidate.evidence);
+    });
     std::stable_sort(pool_.begin(), pool_.end(), [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
     timer_.Lap("hypotheses");
     Evidence& evidence = result_.evidence;
     evidence.num_source_keypoints = static_cast<int>((*views[0])->features.size());
     evidence.num_target_keypoints = static_cast<int>((*views[1])->features.size());
-    evidence.num_matches = found.num_matches;
     evidence.num_hypotheses += static_cast<int>(candidates.size());
     ++evidence.num_attempts;
     return absl::OkStatus();
@@ -173,24 +175,17 @@ class CurveletRegistration {
     return squared <= 25.0;
   }
 
-  // Refines the best candidate to the end and judges it.
+  // Refines the best candidates to the end, until one is sure, and judges the surest.
   void Decide() {
-    if (pool_.empty()) {
-      if (!result_.has_pose) result_.verdict.reasons = {Reason::kNoConsensus};
-      return;
-    }
-    Candidate best = pool_.front();
-    best.evidence.fit = RefineOnLevels(source_->voxel_maps(), target_->voxel_maps(), {0, source_->voxel_maps().size() - 1},
-                                       best.T_target_source, RefinementOptions{}, stop_);
-    best.T_target_source = best.evidence.fit.T_target_source;
-    timer_.Lap("refinement");
-    best.evidence.check = CheckPose(*source_, *target_, best.T_target_source);
-    best.evidence.runner_up_ratio = RunnerUpRatio(best.T_target_source);
-    // A later rung that is no surer does not take the place of an earlier one.
-    const double confidence = PoseConfidence(best.evidence);
-    if (confidence > confidence_) {
-      confidence_ = confidence;
-      FillResult(best.T_target_source, best.evidence, result_);
+    constexpr size_t kMaxFinalists = 3;
+    if (pool_.empty() && !result_.has_pose) result_.verdict.reasons = {Reason::kNoConsensus};
+    std::vector<Candidate> finalists;
+    for (const Candidate& candidate : pool_) {
+      const auto is_same = [&](const Candidate& other) { return !IsOtherPose(candidate, other); };
+      if (std::any_of(finalists.begin(), finalists.end(), is_same)) continue;
+      if (finalists.size() == kMaxFinalists || stop_.Requested()) break;
+      finalists.push_back(RefinedToTheEnd(candidate));
+      if (Judge(finalists.back(), finalists)) break;
     }
     if (stop_.PastDeadline()) {  // the refinement may have been cut short
       result_.verdict.accepted = false;
@@ -199,17 +194,47 @@ class CurveletRegistration {
     timer_.Lap("verification");
   }
 
-  // Score of the best candidate that is another pose, over the best of all.
-  double RunnerUpRatio(const RigidTransform& T_best) const {
+  Candidate RefinedToTheEnd(Candidate candidate) {
+    const LevelRange all_levels{0, source_->voxel_maps().size() - 1};
+    PoseEvidence& evidence = candidate.evidence;
+    evidence.fit = RefineOnLevels(source_->voxel_maps(), target_->voxel_maps(), all_levels, candidate.T_target_source,
+                                  RefinementOptions{}, stop_);
+    candidate.T_target_source = evidence.fit.T_target_source;
+    evidence.check = CheckPose(*source_, *target_, candidate.T_target_source);
+    timer_.Lap("refinement");
+    return candidate;
+  }
+
+  // Writes the finalist to the result when it is the surest so far; true when it is accepted.
+  bool Judge(Candidate& finalist, const std::vector<Candidate>& finalists) {
+    const double confidence = PoseConfidence(finalist.evidence);
+    // A later rung that is no surer does not take the place of an earlier one.
+    if (confidence <= confidence_) return false;
+    confidence_ = confidence;
+    finalist.evidence.runner_up_ratio = RunnerUpConfidence(finalist, finalists) / confidence;
+    FillResult(finalist.T_target_source, finalist.evidence, result_);
+    return result_.verdict.accepted;
+  }
+
+  // Confidence of the surest candidate that is another pose; of those refined to the end, as they ended.
+  double RunnerUpConfidence(const Candidate& best, const std::vector<Candidate>& finalists) const {
+    double confidence = 0.0;
+    for (const Candidate& other : finalists) {
+      if (IsOtherPose(best, other)) confidence = std::max(confidence, PoseConfidence(other.evidence));
+    }
+    for (const Candidate& other : pool_) {
+      const auto is_same = [&](const Candidate& finalist) { return !IsOtherPose(other, finalist); };
+      if (std::any_of(finalists.begin(), finalists.end(), is_same)) continue;
+      confidence = std::max(confidence, PoseConfidence(other.evidence));
+    }
+    return confidence;
+  }
+
+  static bool IsOtherPose(const Candidate& a, const Candidate& b) {
     constexpr double kOtherPoseM = 1.0;
     constexpr double kOtherPoseRad = 0.1;
-    for (const Candidate& candidate : pool_) {
-      const TransformDifference difference = Difference(T_best, candidate.T_target_source);
-      if (difference.translation_m > kOtherPoseM || difference.rotation_rad > kOtherPoseRad) {
-        return pool_.front().score > 0.0 ? candidate.score / pool_.front().score : 1.0;
-      }
-    }
-    return 0.0;
+    const TransformDifference difference = Difference(a.T_target_source, b.T_target_source);
+    return difference.translation_m > kOtherPoseM || difference.rotation_rad > kOtherPoseRad;
   }
 
   const PreparedScan* source_;

@@ -57,20 +57,21 @@ ViewCorrelation CorrelateViews(const ViewFeatures& source, const ViewFeatures& t
   return correlation;
 }
 
+double PoseConfidence(const PoseEvidence& evidence) {
+  const double overlap = std::min(evidence.check.overlap_source, evidence.check.overlap_target);
+  const double inliers = evidence.fit.inlier_fraction;
+  return std::pow(evidence.check.free_space_agreement, 6) * inliers * inliers *
+         (0.1 + std::max(0.0, evidence.image_correlation)) * std::sqrt(overlap);
+}
+
 double PoseScore(const PoseEvidence& evidence) {
-  const double free_space = evidence.check.free_space_agreement;
   const double overlap = std::min(evidence.check.overlap_source, evidence.check.overlap_target);
   constexpr double kSmallResidual = 0.02;  // [m] keeps a perfect fit of few elements from outweighing all else
   constexpr double kFreeInliers = 4.0;     // a pose that no match proposed (prior, identity) is not out of the race
-  return free_space * free_space * free_space * overlap * evidence.fit.inlier_fraction *
-         (0.1 + std::max(0.0, evidence.image_correlation)) * std::sqrt(kFreeInliers + evidence.num_inliers) /
+  constexpr double kEnoughInliers = 40.0;  // look-alike places can bring forth many
+  return PoseConfidence(evidence) * std::sqrt(overlap) *
+         std::sqrt(kFreeInliers + std::min<double>(kEnoughInliers, evidence.num_inliers)) /
          (evidence.fit.residual_rms_m + kSmallResidual);
-}
-
-double PoseConfidence(const PoseEvidence& evidence) {
-  const double free_space = evidence.check.free_space_agreement;
-  return free_space * free_space * free_space * evidence.fit.inlier_fraction *
-         (0.1 + std::max(0.0, evidence.image_correlation));
 }
 
 std::vector<DegenerateDirection> FindDegenerateDirections(const SurfaceFit& fit, double min_information_z) {

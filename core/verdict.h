@@ -53,7 +53,7 @@ struct VerdictOptions {
   double min_overlap = 0.25;
   double min_image_correlation = 0.4;
   double min_inlier_fraction = 0.75;
-  double max_runner_up_ratio = 0.7;
+  double max_runner_up_ratio = 0.8;
   double min_information_z = 5.0;  // standard deviations by which a direction's information must exceed noise
 };
 

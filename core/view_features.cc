@@ -26,7 +26,11 @@ double HeightAt(const Image<float>& heights, const Keypoint& keypoint) {
 
 }  // namespace
 
-ViewOptions ElevationViewOptions() { return {}; }
+ViewOptions ElevationViewOptions() {
+  ViewOptions options;
+  options.image.cell_m = 0.5;
+  return options;
+}
 
 ViewOptions OccupancyViewOptions() {
   ViewOptions options;
@@ -38,7 +42,7 @@ ViewOptions OccupancyViewOptions() {
 }
 
 ViewOptions CleanedElevationViewOptions() {
-  ViewOptions options;
+  ViewOptions options = ElevationViewOptions();
   options.image.median = true;
   options.max_spike_m = 0.12;
   return options;
