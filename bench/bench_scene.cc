@@ -76,4 +76,10 @@ ViewFeatures BenchView(const std::vector<Eigen::Vector3f>& points) {
   return *ComputeViewFeatures(points, Eigen::Matrix3d::Identity(), ElevationViewOptions());
 }
 
+std::unique_ptr<const PreparedScan> BenchPrepared(const std::vector<Eigen::Vector3f>& points) {
+  auto scan = std::make_shared<Scan>();
+  scan->points = points;
+  return *PreparedScan::Create(std::move(scan));
+}
+
 }  // namespace curvereg::bench

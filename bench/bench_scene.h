@@ -6,8 +6,10 @@
 #define CURVEREG_BENCH_BENCH_SCENE_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
+#include "core/prepared_scan.h"
 #include "core/rigid_transform.h"
 #include "core/view_features.h"
 
@@ -28,6 +30,7 @@ struct BenchPair {
   RigidTransform T_target_source = T_world_target.inverse() * T_world_source;
 };
 ViewFeatures BenchView(const std::vector<Eigen::Vector3f>& points);
+std::unique_ptr<const PreparedScan> BenchPrepared(const std::vector<Eigen::Vector3f>& points);
 
 }  // namespace curvereg::bench
 

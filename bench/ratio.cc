@@ -26,9 +26,8 @@ struct Row {
 };
 
 Row Measure(const Work& plain, const Work& work) {
-  // Entering an arena costs microseconds, so each limit is set around the work, as a caller would.
   const std::vector<double> seconds =
-      MedianSeconds(kRounds, {plain.run, [&] { WithThreadLimit(1, work.run); }, [&] { WithThreadLimit(2, work.run); }});
+      MedianSeconds(kRounds, {[&] { plain.run_with(1); }, [&] { work.run_with(1); }, [&] { work.run_with(2); }});
   return {work.name, seconds[0], seconds[1], seconds[2]};
 }
 
@@ -67,6 +66,14 @@ struct RoundTrip {
 };
 
 }  // namespace
+
+// Entering an arena costs microseconds, so the limit is set around the work, as a caller would.
+Work::Work(std::string work_name, std::function<void()> run)
+    : name(std::move(work_name)),
+      run_with([run = std::move(run)](int num_threads) { WithThreadLimit(num_threads, run); }) {}
+
+Work::Work(std::string work_name, std::function<void(int)> run)
+    : name(std::move(work_name)), run_with(std::move(run)) {}
 
 Work CopyOf(const std::vector<Eigen::Vector3f>& points) {
   auto copy = std::make_shared<std::vector<Eigen::Vector3f>>(points);

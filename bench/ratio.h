@@ -14,8 +14,12 @@
 namespace curvereg::bench {
 
 struct Work {
+  // `run` works under the thread limit of its caller; `run_with` sets the limit given itself.
+  Work(std::string work_name, std::function<void()> run);
+  Work(std::string work_name, std::function<void(int num_threads)> run_with);
+
   std::string name;
-  std::function<void()> run;
+  std::function<void(int num_threads)> run_with;
 };
 
 // A copy of all points into memory that is there already. `points` must outlive it.
