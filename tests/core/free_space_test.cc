@@ -74,7 +74,7 @@ TEST(FreeSpaceTest, MarginsAreThoseAsked) {
 }
 
 TEST(FreeSpaceTest, AScanAgreesWithItself) {
-  const Scan scan = testing::FurnishedHall(testing::SensorPose(0.5, 0.2, 0.3), {.num_columns = 360});
+  const Scan scan = testing::FurnishedHall(testing::UprightPose(0.5, 0.2, 0.3), {.num_columns = 360});
   const FreeSpace free_space(scan.points);
   const FreeSpaceAgreement agreement = AskAll(free_space, RigidTransform::Identity(), scan.points);
   EXPECT_EQ(agreement.agreeing, static_cast<int>(scan.points.size()));
@@ -83,8 +83,8 @@ TEST(FreeSpaceTest, AScanAgreesWithItself) {
 }
 
 TEST(FreeSpaceTest, ATrueMotionAgreesAndAWrongOneDoesNot) {
-  const RigidTransform T_world_a = testing::SensorPose(0.5, 0.2, 0.3);
-  const RigidTransform T_world_b = testing::SensorPose(-1.5, 0.6, 1.0);
+  const RigidTransform T_world_a = testing::UprightPose(0.5, 0.2, 0.3);
+  const RigidTransform T_world_b = testing::UprightPose(-1.5, 0.6, 1.0);
   const Scan a = testing::FurnishedHall(T_world_a);
   const Scan b = testing::FurnishedHall(T_world_b);
   const FreeSpace free_space(a.points);

@@ -33,7 +33,7 @@ std::vector<LevelingCandidate> VerticalsOfTurned(const Scan& scan, const Eigen::
 }
 
 TEST(LevelingTest, FindsTheGroundOfATiltedPlane) {
-  const Scan scan = testing::FlatGround(testing::SensorPose(0.0, 0.0, 0.0));
+  const Scan scan = testing::FlatGround(testing::UprightPose(0.0, 0.0, 0.0));
   for (const Eigen::Vector3d& omega :
        {Eigen::Vector3d(0.0, 0.0, 0.0), {0.3, 0.0, 0.0}, {0.5, -0.8, 0.1}, {0.0, 2.0, 0.0}, {3.1, 0.0, 0.0}}) {
     const auto candidates = VerticalsOfTurned(scan, omega);
@@ -46,7 +46,7 @@ TEST(LevelingTest, FindsTheGroundOfATiltedPlane) {
 }
 
 TEST(LevelingTest, FindsUnevenGroundWithinADegree) {
-  const Scan scan = testing::BumpyGround(testing::SensorPose(0.0, 0.0, 0.0, testing::BumpyHeight(0.0, 0.0) + 1.6));
+  const Scan scan = testing::BumpyGround(testing::UprightPose(0.0, 0.0, 0.0, testing::BumpyHeight(0.0, 0.0) + 1.6));
   for (const Eigen::Vector3d& omega : {Eigen::Vector3d(0.0, 0.0, 0.0), {0.5, -0.8, 0.1}}) {
     const auto candidates = VerticalsOfTurned(scan, omega);
     EXPECT_LT(AngleBetween(Up(candidates[0]), RotationFromVector(omega).col(2)), 0.04) << omega.transpose();
@@ -58,7 +58,7 @@ TEST(LevelingTest, TheFloorsSideIsDownInAHall) {
   testing::ScannerOptions scanner;
   scanner.min_elevation_rad = -1.3;
   scanner.max_elevation_rad = 1.3;
-  const Scan scan = testing::FurnishedHall(testing::SensorPose(0.5, 0.2, 0.3, 1.2), scanner);
+  const Scan scan = testing::FurnishedHall(testing::UprightPose(0.5, 0.2, 0.3, 1.2), scanner);
   for (const Eigen::Vector3d& omega : {Eigen::Vector3d(0.0, 0.0, 0.0), {0.5, -0.8, 0.1}, {2.8, 0.2, 0.0}}) {
     const auto candidates = VerticalsOfTurned(scan, omega);
     bool found = false;
@@ -73,7 +73,7 @@ TEST(LevelingTest, CandidatesAreDistinctAndStrongestFirst) {
   testing::ScannerOptions scanner;
   scanner.min_elevation_rad = -1.3;
   scanner.max_elevation_rad = 1.3;
-  const Scan scan = testing::FurnishedHall(testing::SensorPose(0.5, 0.2, 0.3), scanner);
+  const Scan scan = testing::FurnishedHall(testing::UprightPose(0.5, 0.2, 0.3), scanner);
   const LevelingOptions options{.min_relative_weight = 0.05, .max_candidates = 3};
   const auto candidates = FindVerticals(BuildVoxelMaps(scan.points), std::nullopt, options);
   ASSERT_EQ(candidates.size(), 3U);  // floor and ceiling, and the two directions of walls
@@ -87,7 +87,7 @@ TEST(LevelingTest, CandidatesAreDistinctAndStrongestFirst) {
 }
 
 TEST(LevelingTest, GravityOverridesTheSurface) {
-  const auto maps = BuildVoxelMaps(testing::FlatGround(testing::SensorPose(0.0, 0.0, 0.0)).points);
+  const auto maps = BuildVoxelMaps(testing::FlatGround(testing::UprightPose(0.0, 0.0, 0.0)).points);
   for (const Eigen::Vector3d& down :
        {Eigen::Vector3d(1.0, 2.0, -3.0), {0.0, 0.0, -9.81}, {0.0, 0.0, 1e-3}, {3.7, 0.0, 0.0}}) {
     const auto candidates = FindVerticals(maps, down);

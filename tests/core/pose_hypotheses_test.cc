@@ -51,8 +51,8 @@ TEST(FindPoseHypothesesTest, TheHeightIsRecoveredToo) {
 }
 
 TEST(FindPoseHypothesesTest, OccupancyViewsOfAHallHoldTheTruth) {
-  const RigidTransform T_world_source = testing::SensorPose(-1.5, 0.6, 1.0, 2.1);
-  const RigidTransform T_world_target = testing::SensorPose(0.5, 0.2, 0.3, 1.6);
+  const RigidTransform T_world_source = testing::UprightPose(-1.5, 0.6, 1.0, 2.1);
+  const RigidTransform T_world_target = testing::UprightPose(0.5, 0.2, 0.3, 1.6);
   testing::ScannerOptions scanner;
   scanner.max_elevation_rad = 0.7;
   const Scan source = testing::FurnishedHall(T_world_source, scanner);

@@ -76,7 +76,7 @@ TEST(PreparedScanTest, EveryViewOfEveryVerticalIsLevelledByIt) {
   scanner.max_elevation_rad = 1.3;
   PreparationOptions options;
   options.leveling.min_relative_weight = 0.05;
-  const auto scan = std::make_shared<Scan>(testing::FurnishedHall(testing::SensorPose(0.5, 0.2, 0.3), scanner));
+  const auto scan = std::make_shared<Scan>(testing::FurnishedHall(testing::UprightPose(0.5, 0.2, 0.3), scanner));
   const auto prepared = Prepared(scan, options);
   ASSERT_EQ(prepared->verticals().size(), 2U);
   for (size_t vertical = 0; vertical < 2; ++vertical) {

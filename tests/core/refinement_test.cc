@@ -33,16 +33,16 @@ Pair GroundPair() {
 }
 
 Pair HallPair() {
-  const RigidTransform T_world_source = testing::SensorPose(-1.5, 0.6, 1.0, 1.9);
-  const RigidTransform T_world_target = testing::SensorPose(0.5, 0.2, 0.3, 1.6);
+  const RigidTransform T_world_source = testing::UprightPose(-1.5, 0.6, 1.0, 1.9);
+  const RigidTransform T_world_target = testing::UprightPose(0.5, 0.2, 0.3, 1.6);
   return {BuildVoxelMaps(testing::FurnishedHall(T_world_source, {.noise_seed = 1}).points),
           BuildVoxelMaps(testing::FurnishedHall(T_world_target, {.noise_seed = 2}).points),
           T_world_target.inverse() * T_world_source};
 }
 
 Pair PlainPair() {
-  const RigidTransform T_world_source = testing::SensorPose(2.0, 1.0, 0.4);
-  const RigidTransform T_world_target = testing::SensorPose(0.0, 0.0, 0.0);
+  const RigidTransform T_world_source = testing::UprightPose(2.0, 1.0, 0.4);
+  const RigidTransform T_world_target = testing::UprightPose(0.0, 0.0, 0.0);
   return {BuildVoxelMaps(testing::FlatGround(T_world_source, {.noise_seed = 1}).points),
           BuildVoxelMaps(testing::FlatGround(T_world_target, {.noise_seed = 2}).points),
           T_world_target.inverse() * T_world_source};
@@ -88,7 +88,7 @@ TEST(RefineOnLevelsTest, AScanLiesOnItselfExactly) {
 TEST(RefineOnLevelsTest, AWrongPoseFitsWorse) {
   const Pair pair = GroundPair();
   const SurfaceFit right = Refine(pair, pair.T_target_source);
-  const SurfaceFit wrong = Refine(pair, testing::SensorPose(-6.0, 5.0, 2.0, 0.0) * pair.T_target_source);
+  const SurfaceFit wrong = Refine(pair, testing::UprightPose(-6.0, 5.0, 2.0, 0.0) * pair.T_target_source);
   EXPECT_GT(wrong.residual_rms_m, 2.0 * right.residual_rms_m);
   EXPECT_LT(wrong.inlier_fraction, right.inlier_fraction);
 }

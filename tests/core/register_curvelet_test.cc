@@ -64,7 +64,7 @@ TEST(RegisterCurveletTest, BothWaysAreInverse) {
 TEST(RegisterCurveletTest, APriorWithoutCovarianceIsOneMoreHypothesis) {
   RegistrationOptions options;
   options.prior.emplace();
-  options.prior->T_target_source = testing::SensorPose(20.0, -10.0, 2.0, 0.0);  // far off: must do no harm
+  options.prior->T_target_source = testing::UprightPose(20.0, -10.0, 2.0, 0.0);  // far off: must do no harm
   const auto result = RegisterCurvelet(Source(), Target(), options, {});
   ASSERT_THAT(result, IsOk());
   EXPECT_TRUE(result->verdict.accepted);

@@ -42,7 +42,7 @@ TEST(RegisterIcpTest, StartsFromThePrior) {
   const Pair pair = GroundPair(4.0);
   RegistrationOptions options;
   options.prior.emplace();
-  options.prior->T_target_source = testing::SensorPose(0.2, -0.2, 0.03, 0.1) * pair.T_target_source;
+  options.prior->T_target_source = testing::UprightPose(0.2, -0.2, 0.03, 0.1) * pair.T_target_source;
   const auto result = RegisterIcp(*pair.source, *pair.target, options, {});
   ASSERT_THAT(result, IsOk());
   EXPECT_TRUE(result->verdict.accepted);
@@ -53,7 +53,7 @@ TEST(RegisterIcpTest, AWrongStartIsNotAccepted) {
   const Pair pair = GroundPair(0.3);
   RegistrationOptions options;
   options.prior.emplace();
-  options.prior->T_target_source = testing::SensorPose(8.0, -6.0, 2.0, 0.0) * pair.T_target_source;
+  options.prior->T_target_source = testing::UprightPose(8.0, -6.0, 2.0, 0.0) * pair.T_target_source;
   const auto result = RegisterIcp(*pair.source, *pair.target, options, {});
   ASSERT_THAT(result, IsOk());
   EXPECT_FALSE(result->verdict.accepted);

@@ -82,8 +82,8 @@ TEST(RegisterScansTest, LaysUnevenGroundOnItself) {
 TEST(RegisterScansTest, LaysAHallOnItself) {
   testing::ScannerOptions scanner;
   scanner.max_elevation_rad = 0.7;
-  const RigidTransform T_world_source = testing::SensorPose(-1.5, 0.6, 1.0, 1.3);
-  const RigidTransform T_world_target = testing::SensorPose(0.5, 0.2, 0.3);
+  const RigidTransform T_world_source = testing::UprightPose(-1.5, 0.6, 1.0, 1.3);
+  const RigidTransform T_world_target = testing::UprightPose(0.5, 0.2, 0.3);
   const auto result =
       RegisterScans(testing::FurnishedHall(T_world_source, scanner), testing::FurnishedHall(T_world_target, scanner));
   ASSERT_THAT(result, IsOk());
@@ -121,8 +121,8 @@ TEST(RegisterScansTest, DoesNotAcceptScansOfDifferentPlaces) {
 }
 
 TEST(RegisterScansTest, OnAFlatPlainPlaceAndYawAreCalledDegenerate) {
-  const auto result = RegisterScans(testing::FlatGround(testing::SensorPose(2.0, 1.0, 0.4), {.noise_seed = 1}),
-                                    testing::FlatGround(testing::SensorPose(0.0, 0.0, 0.0), {.noise_seed = 2}));
+  const auto result = RegisterScans(testing::FlatGround(testing::UprightPose(2.0, 1.0, 0.4), {.noise_seed = 1}),
+                                    testing::FlatGround(testing::UprightPose(0.0, 0.0, 0.0), {.noise_seed = 2}));
   ASSERT_THAT(result, IsOk());
   ExpectConsistent(*result);
   EXPECT_FALSE(result->verdict.accepted);

@@ -121,7 +121,7 @@ TEST(ScanImageTest, HeightsBeyondTheSlicesAreDropped) {
 }
 
 TEST(ScanImageTest, AQuarterTurnOfTheScanIsAQuarterTurnOfTheImage) {
-  const Scan scan = testing::FurnishedHall(testing::SensorPose(0.5, 0.2, 0.3), {.num_columns = 360});
+  const Scan scan = testing::FurnishedHall(testing::UprightPose(0.5, 0.2, 0.3), {.num_columns = 360});
   Points turned;
   for (const Eigen::Vector3f& p : scan.points) turned.emplace_back(-p.y(), p.x(), p.z());
   const OccupancySlices slices = ComputeOccupancySlices(scan.points, kUpright, kSmall);

@@ -64,10 +64,10 @@ TEST(CheckPoseTest, TheTruePoseAgreesAndAWrongOneDoesNot) {
   EXPECT_GT(right.overlap_target, 0.5);
   EXPECT_LE(right.overlap_target, 1.0);
   const PoseCheck buried =
-      CheckPose(pair.source, pair.target, testing::SensorPose(0.0, 0.0, 0.0, 1.0) * pair.T_target_source);
+      CheckPose(pair.source, pair.target, testing::UprightPose(0.0, 0.0, 0.0, 1.0) * pair.T_target_source);
   EXPECT_LT(buried.free_space_agreement, 0.7);
   const PoseCheck apart =
-      CheckPose(pair.source, pair.target, testing::SensorPose(200.0, 0.0, 0.0, 0.0) * pair.T_target_source);
+      CheckPose(pair.source, pair.target, testing::UprightPose(200.0, 0.0, 0.0, 0.0) * pair.T_target_source);
   EXPECT_LT(apart.overlap_source, 0.05);
 }
 
@@ -86,9 +86,9 @@ TEST(CorrelateViewsTest, OneForItselfHighForTheTruthLowElsewhere) {
   const ViewFeatures& target = **pair.target.View(BirdsEyeView::kElevation, 0);
   const ViewCorrelation itself = CorrelateViews(source, source, RigidTransform::Identity());
   EXPECT_NEAR(itself.ncc, 1.0, 1e-9);
-  EXPECT_GT(itself.num_pixels, 1000);
+  EXPECT_GT(itself.num_pixels, 300);
   EXPECT_GT(CorrelateViews(source, target, pair.T_target_source).ncc, 0.6);
-  EXPECT_LT(CorrelateViews(source, target, testing::SensorPose(2.0, 3.0, 0.0, 0.0) * pair.T_target_source).ncc, 0.3);
+  EXPECT_LT(CorrelateViews(source, target, testing::UprightPose(2.0, 3.0, 0.0, 0.0) * pair.T_target_source).ncc, 0.3);
 }
 
 TEST(CorrelateViewsTest, NothingInCommonIsNoCorrelation) {
@@ -97,7 +97,7 @@ TEST(CorrelateViewsTest, NothingInCommonIsNoCorrelation) {
   for (const ViewCorrelation& correlation :
        {CorrelateViews(empty, empty, RigidTransform::Identity()),
         CorrelateViews(empty, ground, RigidTransform::Identity()),
-        CorrelateViews(ground, ground, testing::SensorPose(500.0, 0.0, 0.0, 0.0))}) {
+        CorrelateViews(ground, ground, testing::UprightPose(500.0, 0.0, 0.0, 0.0))}) {
     EXPECT_EQ(correlation.num_pixels, 0);
     EXPECT_EQ(correlation.ncc, 0.0);
   }
@@ -150,10 +150,10 @@ TEST(FindDegenerateDirectionsTest, UnevenGroundHasNone) {
 }
 
 TEST(FindDegenerateDirectionsTest, AFlatPlainLeavesPlaceAndYawOpen) {
-  const RigidTransform T_world_source = testing::SensorPose(2.0, 1.0, 0.4);
+  const RigidTransform T_world_source = testing::UprightPose(2.0, 1.0, 0.4);
   const auto source = Prepared(testing::FlatGround(T_world_source, {.noise_seed = 1}));
-  const auto target = Prepared(testing::FlatGround(testing::SensorPose(0.0, 0.0, 0.0), {.noise_seed = 2}));
-  const RigidTransform T_target_source = testing::SensorPose(0.0, 0.0, 0.0).inverse() * T_world_source;
+  const auto target = Prepared(testing::FlatGround(testing::UprightPose(0.0, 0.0, 0.0), {.noise_seed = 2}));
+  const RigidTransform T_target_source = testing::UprightPose(0.0, 0.0, 0.0).inverse() * T_world_source;
   const auto directions =
       FindDegenerateDirections(FitOf(*source, *target, T_target_source), VerdictOptions{}.min_information_z);
   ASSERT_EQ(directions.size(), 3U);

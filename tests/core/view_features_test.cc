@@ -23,7 +23,7 @@ const Eigen::Matrix3d kUpright = Eigen::Matrix3d::Identity();
 
 const Points& Ground() {
   static const Points points =
-      testing::BumpyGround(testing::SensorPose(0.0, 0.0, 0.0, testing::BumpyHeight(0.0, 0.0) + 1.6)).points;
+      testing::BumpyGround(testing::UprightPose(0.0, 0.0, 0.0, testing::BumpyHeight(0.0, 0.0) + 1.6)).points;
   return points;
 }
 
@@ -69,7 +69,7 @@ TEST(ComputeViewFeaturesTest, HeightsAreThoseOfTheGround) {
 }
 
 TEST(ComputeViewFeaturesTest, OccupancyViewOfAHall) {
-  const Points points = testing::FurnishedHall(testing::SensorPose(0.5, 0.2, 0.3)).points;
+  const Points points = testing::FurnishedHall(testing::UprightPose(0.5, 0.2, 0.3)).points;
   const ViewOptions options = OccupancyViewOptions();
   const auto view = ComputeViewFeatures(points, kUpright, options);
   ASSERT_THAT(view, IsOk());

@@ -40,7 +40,7 @@ TEST(VoxelMapTest, SurfelOfANoisyPlaneHasItsNormalAndVariance) {
 TEST(VoxelMapTest, NormalsPointToTheSensorsSide) {
   testing::ScannerOptions scanner;
   scanner.num_columns = 360;
-  const Scan scan = testing::FurnishedHall(testing::SensorPose(0.5, 0.2, 0.3), scanner);
+  const Scan scan = testing::FurnishedHall(testing::UprightPose(0.5, 0.2, 0.3), scanner);
   int num_normals = 0;
   for (const VoxelMap& map : BuildVoxelMaps(scan.points)) {
     for (const Surfel& surfel : map.surfels()) {

@@ -153,7 +153,7 @@ double Random::Gaussian() {
   return radius * std::cos(2.0 * std::numbers::pi * Uniform());
 }
 
-RigidTransform SensorPose(double x, double y, double yaw_rad, double height_m) {
+RigidTransform UprightPose(double x, double y, double yaw_rad, double height_m) {
   RigidTransform T_world_sensor = RigidTransform::Identity();
   T_world_sensor.linear() = RotationFromVector({0.0, 0.0, yaw_rad});
   T_world_sensor.translation() << x, y, height_m;
@@ -161,7 +161,7 @@ RigidTransform SensorPose(double x, double y, double yaw_rad, double height_m) {
 }
 
 RigidTransform RoverPose(double x, double y, double yaw_rad, double height_m, uint64_t world_seed) {
-  RigidTransform T_world_sensor = SensorPose(x, y, yaw_rad, BumpyHeight(x, y, world_seed) + height_m);
+  RigidTransform T_world_sensor = UprightPose(x, y, yaw_rad, BumpyHeight(x, y, world_seed) + height_m);
   T_world_sensor.rotate(RotationFromVector({0.03 * std::sin(x + y), 0.03 * std::cos(x - y), 0.0}));
   return T_world_sensor;
 }

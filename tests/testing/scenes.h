@@ -39,7 +39,7 @@ struct ScannerOptions {
 };
 
 // Upright sensor at (x, y), turned by `yaw_rad`, T_world_sensor; `height_m` above z = 0.
-RigidTransform SensorPose(double x, double y, double yaw_rad, double height_m = 1.6);
+RigidTransform UprightPose(double x, double y, double yaw_rad, double height_m = 1.6);
 
 // The same, `height_m` above BumpyGround, and tilted a little, as a rover would stand.
 RigidTransform RoverPose(double x, double y, double yaw_rad, double height_m = 1.6, uint64_t world_seed = 1);
