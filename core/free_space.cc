@@ -14,7 +14,7 @@ FreeSpace::FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpace
   cube_.side = std::clamp(static_cast<int>(wanted), 8, options.max_bins_per_side);
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const auto num_bins = static_cast<size_t>(cube_.num_bins());
-  std::vector<Interval> single(num_bins, Interval{kInfinity, -kInfinity});
+  std::vector<Interval> single(num_bins, Interval{kInfinity, -kInfinity, false});
   constexpr size_t kPointsPerQuestion = 65536;
   for (size_t i = 0; i < points.size(); ++i) {
     if (i % kPointsPerQuestion == 0 && stop.Requested()) break;
@@ -25,8 +25,9 @@ FreeSpace::FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpace
     bin.nearest = std::min(bin.nearest, range);
     bin.farthest = std::max(bin.farthest, range);
   }
-  bins_.assign(num_bins, Interval{kInfinity, -kInfinity});
+  bins_.assign(num_bins, Interval{kInfinity, -kInfinity, false});
   for (size_t i = 0; i < num_bins; ++i) {
+    bins_[i].measured = single[i].nearest <= single[i].farthest;
     cube_.ForNeighbours(static_cast<int>(i), [&](int neighbour) {
       const Interval& other = single[static_cast<size_t>(neighbour)];
       bins_[i].nearest = std::min(bins_[i].nearest, other.nearest);
@@ -41,7 +42,7 @@ FreeSpace::Answer FreeSpace::Ask(const Eigen::Vector3f& point) const {
   const Interval& bin = bins_[static_cast<size_t>(cube_.BinOf(point))];
   if (bin.nearest > bin.farthest) return Answer::kUnknown;
   const float margin = static_cast<float>(options_.margin_m) + static_cast<float>(options_.margin_per_metre) * range;
-  if (range < bin.nearest - margin) return Answer::kViolates;
+  if (range < bin.nearest - margin) return bin.measured ? Answer::kViolates : Answer::kUnknown;
   if (range > bin.farthest + margin) return Answer::kUnknown;
   return Answer::kAgrees;
 }

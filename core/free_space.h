@@ -40,6 +40,7 @@ class FreeSpace {
   CubeMap cube_;
   struct Interval {
     float nearest, farthest;  // [m]; nearest > farthest where nothing was measured
+    bool measured;            // in this very bin, not only in a neighbour: beams that came back nowhere prove nothing
   };
   std::vector<Interval> bins_;  // of cube_, each widened to its neighbours
 };

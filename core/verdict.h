@@ -49,7 +49,7 @@ double PoseScore(const PoseEvidence& evidence);
 double PoseConfidence(const PoseEvidence& evidence);
 
 struct VerdictOptions {
-  double min_free_space_agreement = 0.88;
+  double min_free_space_agreement = 0.93;
   double min_overlap = 0.25;
   double min_image_correlation = 0.4;
   double min_inlier_fraction = 0.75;

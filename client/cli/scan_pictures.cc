@@ -123,11 +123,13 @@ absl::StatusOr<ScanPictures> DrawScan(const Scan& scan, std::stop_token cancella
   if (cancellation.stop_requested()) return absl::CancelledError("interrupted");
 
   const PreparationOptions options;
-  const PreparedScan prepared(std::make_shared<Scan>(scan), options);
-  status = AddBirdsEyeView("elevation", prepared, options.elevation, result);
+  const absl::StatusOr<std::unique_ptr<const PreparedScan>> prepared =
+      PreparedScan::Create(std::make_shared<Scan>(scan), options, Stop{cancellation, std::nullopt});
+  if (!prepared.ok()) return prepared.status();
+  status = AddBirdsEyeView("elevation", **prepared, options.elevation, result);
   if (!status.ok()) return status;
   if (cancellation.stop_requested()) return absl::CancelledError("interrupted");
-  status = AddBirdsEyeView("occupancy", prepared, options.occupancy, result);
+  status = AddBirdsEyeView("occupancy", **prepared, options.occupancy, result);
   if (!status.ok()) return status;
   return result;
 }
