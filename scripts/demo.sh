@@ -47,4 +47,6 @@ run 'Draw what the method sees in one scan' "$curvereg" inspect "${files[0]}" --
 
 printf '\nDone in %d s. Look at:\n' $((SECONDS - started))
 find "$out" -name 'report.html' -printf '  %p\n'
-find "$out" -name '*.png' -printf '  %p\n' | sort
+for folder in "$out/evaluation" "$out/inspect"; do
+  printf '  %s: %s pictures\n' "$folder" "$(find "$folder" -name '*.png' | wc -l)"
+done
