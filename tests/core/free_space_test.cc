@@ -30,7 +30,7 @@ Points SphereWithAHole(int count) {
 }
 
 TEST(FreeSpaceTest, InFrontViolatesBehindIsUnknownOnTheSurfaceAgrees) {
-  const FreeSpace free_space(SphereWithAHole(60000));
+  const FreeSpace free_space(SphereWithAHole(600000), {.margin_m = 0.25, .margin_per_metre = 0.02});
   testing::Random random(4);
   for (int i = 0; i < 500; ++i) {
     Eigen::Vector3f direction(static_cast<float>(random.Gaussian()), static_cast<float>(random.Gaussian()),
@@ -49,7 +49,7 @@ TEST(FreeSpaceTest, InFrontViolatesBehindIsUnknownOnTheSurfaceAgrees) {
 }
 
 TEST(FreeSpaceTest, DirectionsNeverMeasuredAreUnknown) {
-  const FreeSpace free_space(SphereWithAHole(60000));
+  const FreeSpace free_space(SphereWithAHole(600000));
   for (const float range : {1.0F, 10.0F, 100.0F}) {
     EXPECT_EQ(free_space.Ask({0.0F, 0.0F, range}), Answer::kUnknown);
     EXPECT_EQ(free_space.Ask({0.2F * range, -0.1F * range, range}), Answer::kUnknown);
@@ -63,8 +63,17 @@ TEST(FreeSpaceTest, BetweenNearAndFarReturnsOfOneDirectionNothingContradicts) {
   EXPECT_EQ(free_space.Ask({30.0F, 0.0F, 0.0F}), Answer::kUnknown);
 }
 
+TEST(FreeSpaceTest, BeamsThatCameBackNowhereProveNothing) {
+  // One return: 8 bins a side, so that the direction beside it belongs to a bin without returns of its own.
+  const FreeSpace free_space({{5.0F, 0.1F, 0.1F}});
+  EXPECT_EQ(free_space.Ask({2.0F, 0.04F, 0.04F}), Answer::kViolates);
+  EXPECT_EQ(free_space.Ask({2.0F, 0.7F, 0.04F}), Answer::kUnknown);
+  EXPECT_EQ(free_space.Ask({4.9F, 1.7F, 0.1F}), Answer::kAgrees);
+  EXPECT_EQ(free_space.Ask({2.0F, 1.5F, 0.04F}), Answer::kUnknown);
+}
+
 TEST(FreeSpaceTest, MarginsAreThoseAsked) {
-  const Points wall = SphereWithAHole(60000);
+  const Points wall = SphereWithAHole(600000);
   const FreeSpace sharp(wall, {.margin_m = 0.01, .margin_per_metre = 0.0});
   EXPECT_EQ(sharp.Ask({9.9F, 0.0F, 0.0F}), Answer::kViolates);
   EXPECT_EQ(sharp.Ask({10.1F, 0.0F, 0.0F}), Answer::kUnknown);
@@ -104,7 +113,7 @@ TEST(FreeSpaceTest, EmptyAndDegenerateInputKnowsNothing) {
     EXPECT_EQ(free_space.Ask({1.0F, 2.0F, 3.0F}), Answer::kUnknown);
     EXPECT_EQ(free_space.Ask({0.0F, 0.0F, 0.0F}), Answer::kUnknown);
   }
-  const FreeSpace wall(SphereWithAHole(6000));
+  const FreeSpace wall(SphereWithAHole(60000));
   for (const Eigen::Vector3f& point : nothing) EXPECT_EQ(wall.Ask(point), Answer::kUnknown);
   const FreeSpaceAgreement none = AskAll(wall, RigidTransform::Identity(), {});
   EXPECT_EQ(none.Agreement(), 0.0);
