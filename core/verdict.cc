@@ -57,12 +57,20 @@ ViewCorrelation CorrelateViews(const ViewFeatures& source, const ViewFeatures& t
   return correlation;
 }
 
+namespace {
+
 // The exponents were fitted by conditional logit on 4-degree hypotheses of real and simulated pairs (docs/method.md):
 // contradicted free space and surface elements that do not fit tell most, the correlation of the views least.
+double FreeSpaceFactor(const PoseEvidence& evidence) { return std::pow(evidence.check.free_space_agreement, 20); }
+double SurfaceFactor(const PoseEvidence& evidence) { return std::pow(evidence.fit.inlier_fraction, 10); }
+
+}  // namespace
+
+double SurfaceConsistency(const PoseEvidence& evidence) { return FreeSpaceFactor(evidence) * SurfaceFactor(evidence); }
+
 double PoseConfidence(const PoseEvidence& evidence) {
   const double overlap = std::min(evidence.check.overlap_source, evidence.check.overlap_target);
-  return std::pow(evidence.check.free_space_agreement, 20) * std::pow(evidence.fit.inlier_fraction, 10) * overlap *
-         std::pow(0.1 + std::max(0.0, evidence.image_correlation), 0.2);
+  return SurfaceConsistency(evidence) * overlap * std::pow(0.1 + std::max(0.0, evidence.image_correlation), 0.2);
 }
 
 double PoseScore(const PoseEvidence& evidence) {
@@ -109,9 +117,12 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
   const bool overlaps = evidence.check.overlap_source >= options.min_overlap &&
                         evidence.check.overlap_target >= options.min_overlap;
   reject_if(evidence.fit.num_pairs < 6, Reason::kTooFewPoints);
-  reject_if(!(evidence.fit.inlier_fraction >= options.min_inlier_fraction), Reason::kResidualTooHigh);
+  // Consistency is a product; the reason named is the factor that falls short most.
+  const bool consistent = SurfaceConsistency(evidence) >= options.min_consistency;
+  const bool surfaces_are_worse = !(SurfaceFactor(evidence) >= FreeSpaceFactor(evidence));
+  reject_if(!consistent && surfaces_are_worse, Reason::kResidualTooHigh);
   reject_if(!overlaps, Reason::kOverlapTooLow);
-  reject_if(!(evidence.check.free_space_agreement >= options.min_free_space_agreement), Reason::kFreeSpaceViolated);
+  reject_if(!consistent && !surfaces_are_worse, Reason::kFreeSpaceViolated);
   reject_if(!(evidence.image_correlation >= options.min_image_correlation), Reason::kNoConsensus);
   reject_if(!(evidence.runner_up_ratio <= options.max_runner_up_ratio), Reason::kAmbiguous);
   reject_if(!degenerate.empty(), Reason::kDegenerateDirection);

@@ -48,13 +48,15 @@ double PoseScore(const PoseEvidence& evidence);
 // How sure a pose is, comparable between different pairs and between the rungs of the ladder, [0, 1.1].
 double PoseConfidence(const PoseEvidence& evidence);
 
+// Agreement of free space and of surfaces in one number, fs^20 * inliers^10, [0, 1].
+double SurfaceConsistency(const PoseEvidence& evidence);
+
 struct VerdictOptions {
-  double min_free_space_agreement = 0.93;
-  double min_overlap = 0.25;
-  double min_image_correlation = 0.4;
-  double min_inlier_fraction = 0.75;
+  double min_consistency = 0.15;        // SurfaceConsistency; wrong poses of look-alike places reach 0.12
+  double min_overlap = 0.15;            // of either scan
+  double min_image_correlation = 0.35;  // unrelated ground correlates up to 0.3
   double max_runner_up_ratio = 0.8;
-  double min_information_z = 5.0;  // standard deviations by which a direction's information must exceed noise
+  double min_information_z = 5.0;       // standard deviations by which a direction's information must exceed noise
 };
 
 // Directions that the common surface does not determine (target frame): their information, taken with one normal from

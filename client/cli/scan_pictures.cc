@@ -11,7 +11,7 @@
 #include "core/curvelet_transform.h"
 #include "core/image_conditioning.h"
 #include "core/prepared_scan.h"
-#include "core/register_paper.h"
+#include "core/paper_features.h"
 #include "core/scale_bands.h"
 
 namespace curvereg::cli {
@@ -27,7 +27,7 @@ Image<Rgb> GreyAsRgb(const Image<uint8_t>& grey) {
 }
 
 // The range image as the method `paper` conditions it: filled, blurred, on [0, 1].
-Image<float> ConditionedRange(const RangeImage& image, const PaperOptions& options) {
+Image<float> ConditionedRange(const RangeImage& image, const PaperFeatureOptions& options) {
   Image<float> values = image.range;
   FillHoles(image.valid, values);
   GaussianBlur3x3(options.blur_sigma_px, values);
@@ -65,7 +65,7 @@ absl::Status AddDifferences(const std::string& view, const Image<float>& values,
 }
 
 absl::Status AddRangeView(const Scan& scan, ScanPictures& result) {
-  const PaperOptions options;
+  const PaperFeatureOptions options;
   const absl::StatusOr<RangeImage> image = ComputeRangeImage(scan.points, options.image);
   if (!image.ok()) return image.status();
   if (image->range.empty()) return absl::InvalidArgumentError("no point away from the sensor");
@@ -79,7 +79,7 @@ absl::Status AddRangeView(const Scan& scan, ScanPictures& result) {
   status = AddDifferences("range", conditioned, {.num_scales = options.num_scales, .windows = WindowShape::kCartesian},
                           false, result);
   if (!status.ok()) return status;
-  const absl::StatusOr<PaperFeatures> features = ComputePaperFeatures(scan, options);
+  const absl::StatusOr<PaperFeatures> features = ComputePaperFeatures(scan, options, Stop{});
   if (!features.ok()) return features.status();
   const std::vector<Keypoint>& keypoints = features->features.keypoints;
   result.pictures.push_back({"range_keypoints.png", KeypointPicture(conditioned, keypoints, options.num_scales, 2)});
