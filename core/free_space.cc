@@ -38,12 +38,12 @@ FreeSpace::FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpace
 
 FreeSpace::Answer FreeSpace::Ask(const Eigen::Vector3f& point) const {
   const float range = point.norm();
-  if (bins_.empty() || !(range > 0.0F) || !std::isfinite(range)) return Answer::kUnknown;
+  if (bins_.empty() || !(range > 0.0F) || !std::isfinite(range)) return Answer::kUnseen;
   const Interval& bin = bins_[static_cast<size_t>(cube_.BinOf(point))];
-  if (bin.nearest > bin.farthest) return Answer::kUnknown;
+  if (bin.nearest > bin.farthest) return Answer::kUnseen;
   const float margin = static_cast<float>(options_.margin_m) + static_cast<float>(options_.margin_per_metre) * range;
-  if (range < bin.nearest - margin) return bin.measured ? Answer::kViolates : Answer::kUnknown;
-  if (range > bin.farthest + margin) return Answer::kUnknown;
+  if (range < bin.nearest - margin) return bin.measured ? Answer::kViolates : Answer::kUnseen;
+  if (range > bin.farthest + margin) return Answer::kUnseen;
   return Answer::kAgrees;
 }
 
@@ -70,7 +70,7 @@ FreeSpaceAgreement AskAll(const FreeSpace& free_space, const RigidTransform& T_s
       case FreeSpace::Answer::kViolates:
         ++agreement.violating;
         break;
-      case FreeSpace::Answer::kUnknown:
+      case FreeSpace::Answer::kUnseen:
         ++agreement.unknown;
         break;
     }

@@ -31,8 +31,8 @@ class FreeSpace {
   explicit FreeSpace(const std::vector<Eigen::Vector3f>& points, const FreeSpaceOptions& options = {},
                      const Stop& stop = {});
 
-  enum class Answer { kUnknown, kAgrees, kViolates };
-  // Point in the sensor frame. kUnknown: direction never measured, or hidden behind what was.
+  enum class Answer { kUnseen, kAgrees, kViolates };
+  // Point in the sensor frame. kUnseen: direction never measured, or hidden behind what was.
   Answer Ask(const Eigen::Vector3f& point) const;
 
  private:

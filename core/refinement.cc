@@ -289,7 +289,7 @@ SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector
 }
 
 Matrix6d PoseCovariance(const SurfaceFit& fit) {
-  constexpr double kWidening = 4.0;
+  constexpr double kWidening = 8.0;
   Matrix6d information = fit.information;
   information.diagonal().array() += 1e-9 * information.trace() + 1e-12;
   return kWidening * information.ldlt().solve(Matrix6d::Identity());

@@ -43,16 +43,16 @@ TEST(FreeSpaceTest, InFrontViolatesBehindIsUnknownOnTheSurfaceAgrees) {
     EXPECT_EQ(free_space.Ask(9.7F * direction), Answer::kAgrees);
     EXPECT_EQ(free_space.Ask(10.0F * direction), Answer::kAgrees);
     EXPECT_EQ(free_space.Ask(10.3F * direction), Answer::kAgrees);
-    EXPECT_EQ(free_space.Ask(10.7F * direction), Answer::kUnknown);
-    EXPECT_EQ(free_space.Ask(50.0F * direction), Answer::kUnknown);
+    EXPECT_EQ(free_space.Ask(10.7F * direction), Answer::kUnseen);
+    EXPECT_EQ(free_space.Ask(50.0F * direction), Answer::kUnseen);
   }
 }
 
 TEST(FreeSpaceTest, DirectionsNeverMeasuredAreUnknown) {
   const FreeSpace free_space(SphereWithAHole(600000));
   for (const float range : {1.0F, 10.0F, 100.0F}) {
-    EXPECT_EQ(free_space.Ask({0.0F, 0.0F, range}), Answer::kUnknown);
-    EXPECT_EQ(free_space.Ask({0.2F * range, -0.1F * range, range}), Answer::kUnknown);
+    EXPECT_EQ(free_space.Ask({0.0F, 0.0F, range}), Answer::kUnseen);
+    EXPECT_EQ(free_space.Ask({0.2F * range, -0.1F * range, range}), Answer::kUnseen);
   }
 }
 
@@ -60,23 +60,23 @@ TEST(FreeSpaceTest, BetweenNearAndFarReturnsOfOneDirectionNothingContradicts) {
   const FreeSpace free_space({{5.0F, 0.0F, 0.0F}, {20.0F, 0.1F, 0.0F}});
   EXPECT_EQ(free_space.Ask({3.0F, 0.0F, 0.0F}), Answer::kViolates);
   EXPECT_EQ(free_space.Ask({12.0F, 0.0F, 0.0F}), Answer::kAgrees);
-  EXPECT_EQ(free_space.Ask({30.0F, 0.0F, 0.0F}), Answer::kUnknown);
+  EXPECT_EQ(free_space.Ask({30.0F, 0.0F, 0.0F}), Answer::kUnseen);
 }
 
 TEST(FreeSpaceTest, BeamsThatCameBackNowhereProveNothing) {
   // One return: 8 bins a side, so that the direction beside it belongs to a bin without returns of its own.
   const FreeSpace free_space({{5.0F, 0.1F, 0.1F}});
   EXPECT_EQ(free_space.Ask({2.0F, 0.04F, 0.04F}), Answer::kViolates);
-  EXPECT_EQ(free_space.Ask({2.0F, 0.7F, 0.04F}), Answer::kUnknown);
+  EXPECT_EQ(free_space.Ask({2.0F, 0.7F, 0.04F}), Answer::kUnseen);
   EXPECT_EQ(free_space.Ask({4.9F, 1.7F, 0.1F}), Answer::kAgrees);
-  EXPECT_EQ(free_space.Ask({2.0F, 1.5F, 0.04F}), Answer::kUnknown);
+  EXPECT_EQ(free_space.Ask({2.0F, 1.5F, 0.04F}), Answer::kUnseen);
 }
 
 TEST(FreeSpaceTest, MarginsAreThoseAsked) {
   const Points wall = SphereWithAHole(600000);
   const FreeSpace sharp(wall, {.margin_m = 0.01, .margin_per_metre = 0.0});
   EXPECT_EQ(sharp.Ask({9.9F, 0.0F, 0.0F}), Answer::kViolates);
-  EXPECT_EQ(sharp.Ask({10.1F, 0.0F, 0.0F}), Answer::kUnknown);
+  EXPECT_EQ(sharp.Ask({10.1F, 0.0F, 0.0F}), Answer::kUnseen);
   const FreeSpace wide(wall, {.margin_m = 0.0, .margin_per_metre = 0.5});
   EXPECT_EQ(wide.Ask({7.0F, 0.0F, 0.0F}), Answer::kAgrees);
   EXPECT_EQ(wide.Ask({6.0F, 0.0F, 0.0F}), Answer::kViolates);
@@ -110,11 +110,11 @@ TEST(FreeSpaceTest, EmptyAndDegenerateInputKnowsNothing) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const Points nothing = {{0.0F, 0.0F, 0.0F}, {kNan, 1.0F, 1.0F}, {1.0F, kInfinity, 1.0F}};
   for (const FreeSpace& free_space : {FreeSpace(), FreeSpace(Points{}), FreeSpace(nothing)}) {
-    EXPECT_EQ(free_space.Ask({1.0F, 2.0F, 3.0F}), Answer::kUnknown);
-    EXPECT_EQ(free_space.Ask({0.0F, 0.0F, 0.0F}), Answer::kUnknown);
+    EXPECT_EQ(free_space.Ask({1.0F, 2.0F, 3.0F}), Answer::kUnseen);
+    EXPECT_EQ(free_space.Ask({0.0F, 0.0F, 0.0F}), Answer::kUnseen);
   }
   const FreeSpace wall(SphereWithAHole(60000));
-  for (const Eigen::Vector3f& point : nothing) EXPECT_EQ(wall.Ask(point), Answer::kUnknown);
+  for (const Eigen::Vector3f& point : nothing) EXPECT_EQ(wall.Ask(point), Answer::kUnseen);
   const FreeSpaceAgreement none = AskAll(wall, RigidTransform::Identity(), {});
   EXPECT_EQ(none.Agreement(), 0.0);
   EXPECT_EQ(none.Overlap(), 0.0);
