@@ -103,7 +103,7 @@ Eigen::Vector3d PointedUp(const std::vector<PlaneElement>& elements, const Eigen
   for (const PlaneElement& element : elements) {
     if (std::abs(element.normal.dot(axis)) < min_cosine) continue;
     const double height = element.mean.dot(axis);
-    (height > 0.0 ? above : below) += element.weight / (1.0 + height * height);
+    (height > 0.0 ? above : below) += element.weight / std::pow(1.0 + height * height, 2);
   }
   return above > below ? Eigen::Vector3d(-axis) : axis;
 }
