@@ -20,7 +20,8 @@ PreparedScan::PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOp
 absl::StatusOr<std::unique_ptr<const PreparedScan>> PreparedScan::Create(std::shared_ptr<const Scan> scan,
                                                                          const PreparationOptions& options,
                                                                          const Stop& stop) {
-  if (absl::Status status = ValidateScan(*scan, options.limits); !status.ok()) return status;
+  if (absl::Status status = ValidateScan(*scan, options.limits, stop); !status.ok()) return status;
+  if (stop.Requested()) return StoppedStatus(stop);
   std::unique_ptr<PreparedScan> prepared(new PreparedScan(std::move(scan), options));
   const std::vector<Eigen::Vector3f>& points = prepared->scan_->points;
   ParallelFor(2, [&](int task) {
@@ -39,14 +40,18 @@ absl::StatusOr<std::unique_ptr<const PreparedScan>> PreparedScan::Create(std::sh
   return prepared;
 }
 
-absl::StatusOr<const ViewFeatures*> PreparedScan::View(BirdsEyeView view, size_t vertical) const {
+absl::StatusOr<const ViewFeatures*> PreparedScan::View(BirdsEyeView view, size_t vertical, const Stop& stop) const {
   LazyView& lazy = *views_[2 * vertical + (view == BirdsEyeView::kElevation ? 0 : 1)];
-  std::call_once(lazy.once, [&] {
+  const std::lock_guard<std::mutex> lock(lazy.mutex);
+  if (!lazy.features.has_value()) {
     const ViewOptions& options = view == BirdsEyeView::kElevation ? options_.elevation : options_.occupancy;
-    lazy.features = ComputeViewFeatures(scan_->points, verticals_[vertical].R_level_sensor, options);
-  });
-  if (!lazy.features.ok()) return lazy.features.status();
-  return &*lazy.features;
+    absl::StatusOr<ViewFeatures> features =
+        ComputeViewFeatures(scan_->points, verticals_[vertical].R_level_sensor, options, stop);
+    if (absl::IsCancelled(features.status())) return StoppedStatus(stop);  // the next caller may have more time
+    lazy.features = std::move(features);
+  }
+  if (!lazy.features->ok()) return lazy.features->status();
+  return &**lazy.features;
 }
 
 absl::StatusOr<const PreparedScan*> PreparedScan::Cleaned(const Stop& stop) const {

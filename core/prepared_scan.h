@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -51,7 +52,8 @@ class PreparedScan {
   const std::vector<LevelingCandidate>& verticals() const { return verticals_; }
 
   // The view levelled by verticals()[vertical]; computed by the first caller, who may be one of several at once.
-  absl::StatusOr<const ViewFeatures*> View(BirdsEyeView view, size_t vertical) const;
+  // Errors as Create.
+  absl::StatusOr<const ViewFeatures*> View(BirdsEyeView view, size_t vertical, const Stop& stop = {}) const;
 
   // The same scan without isolated returns, its heights taken robustly: for scans with many false returns. Computed by
   // the first caller. Errors as Create.
@@ -59,8 +61,8 @@ class PreparedScan {
 
  private:
   struct LazyView {
-    std::once_flag once;
-    absl::StatusOr<ViewFeatures> features = absl::UnknownError("not computed");
+    std::mutex mutex;
+    std::optional<absl::StatusOr<ViewFeatures>> features;
   };
 
   PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOptions& options);

@@ -108,11 +108,11 @@ class CurveletRegistration {
   absl::Status Climb(const Rung& rung) {
     std::array<absl::StatusOr<const ViewFeatures*>, 2> views = {nullptr, nullptr};
     ParallelFor(2, [&](int i) {
-      views[static_cast<size_t>(i)] = i == 0 ? source_->View(rung.view, rung.source_vertical)
-                                             : target_->View(rung.view, rung.target_vertical);
+      views[static_cast<size_t>(i)] = i == 0 ? source_->View(rung.view, rung.source_vertical, stop_)
+                                             : target_->View(rung.view, rung.target_vertical, stop_);
     });
     for (const auto& view : views) {
-      if (!view.ok()) return view.status();
+      if (!view.ok()) return stop_.Requested() ? absl::OkStatus() : view.status();
     }
     timer_.Lap("features");
     ConsensusOptions consensus;

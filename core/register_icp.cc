@@ -24,16 +24,17 @@ absl::StatusOr<RegistrationResult> RegisterIcp(const PreparedScan& source, const
     T_target_source = evidence.fit.T_target_source;
   }
   timer.Lap("refinement");
-  if (stop.Cancelled()) return absl::CancelledError("registration was cancelled");
   evidence.check = CheckPose(source, target, T_target_source);
   for (const BirdsEyeView kind : {BirdsEyeView::kElevation, BirdsEyeView::kOccupancy}) {
-    const auto source_view = source.View(kind, 0);
-    const auto target_view = target.View(kind, 0);
+    const auto source_view = source.View(kind, 0, stop);
+    const auto target_view = target.View(kind, 0, stop);
+    if (stop.Requested()) break;
     if (!source_view.ok()) return source_view.status();
     if (!target_view.ok()) return target_view.status();
     const double ncc = CorrelateViews(**source_view, **target_view, T_target_source).ncc;
     evidence.image_correlation = std::max(evidence.image_correlation, ncc);
   }
+  if (stop.Cancelled()) return absl::CancelledError("registration was cancelled");
   FillResult(T_target_source, evidence, result);
   result.evidence.num_hypotheses = 1;
   result.evidence.num_attempts = 1;

@@ -111,7 +111,7 @@ absl::StatusOr<RegistrationResult> RunMethod(const Scan& source, const Scan& tar
     case Method::kFpfhSacIa:
     case Method::kHarris3dFpfh:
       for (const Scan* scan : {&source, &target}) {
-        if (absl::Status status = ValidateScan(*scan, options.limits); !status.ok()) return status;
+        if (absl::Status status = ValidateScan(*scan, options.limits, stop); !status.ok()) return status;
       }
       if (options.method == Method::kPaper) return RegisterPaper(source, target, options, stop);
       return RegisterBaseline(source, target, options, stop);

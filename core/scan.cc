@@ -6,14 +6,54 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
 namespace curvereg {
+namespace {
 
-absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits) {
+struct PointMoments {
+  int64_t num_finite = 0;
+  float largest = 0.0F;  // |coordinate| [m]
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+// One pass; sums are taken about the first finite point, which keeps them exact enough far from the origin.
+PointMoments MeasurePoints(const std::vector<Eigen::Vector3f>& points, const Stop& stop) {
+  constexpr size_t kPointsPerQuestion = 65536;
+  PointMoments moments;
+  Eigen::Vector3f origin = Eigen::Vector3f::Zero();
+  double x = 0.0, y = 0.0, z = 0.0, xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (i % kPointsPerQuestion == 0 && stop.Requested()) break;
+    const Eigen::Vector3f& point = points[i];
+    const float sum = point.x() + point.y() + point.z();
+    if (!(sum - sum == 0.0F)) continue;  // not finite
+    if (moments.num_finite++ == 0) origin = point;
+    moments.largest = std::max({moments.largest, std::abs(point.x()), std::abs(point.y()), std::abs(point.z())});
+    const double dx = static_cast<double>(point.x()) - origin.x();
+    const double dy = static_cast<double>(point.y()) - origin.y();
+    const double dz = static_cast<double>(point.z()) - origin.z();
+    x += dx, y += dy, z += dz;
+    xx += dx * dx, xy += dx * dy, xz += dx * dz, yy += dy * dy, yz += dy * dz, zz += dz * dz;
+  }
+  if (moments.num_finite == 0) return moments;
+  const double n = static_cast<double>(moments.num_finite);
+  const Eigen::Vector3d offset = Eigen::Vector3d(x, y, z) / n;
+  moments.mean = origin.cast<double>() + offset;
+  moments.covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  moments.covariance = moments.covariance / n - offset * offset.transpose();
+  return moments;
+}
+
+}  // namespace
+
+absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits, const Stop& stop) {
   const auto num_points = static_cast<int64_t>(scan.points.size());
   if (num_points > limits.max_points) {
     return absl::InvalidArgumentError(
@@ -22,31 +62,19 @@ absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits) {
   if (scan.gravity.has_value() && (!scan.gravity->allFinite() || scan.gravity->norm() == 0.0)) {
     return absl::InvalidArgumentError("gravity vector is zero or not finite");
   }
-  int64_t num_finite = 0;
-  const auto limit = static_cast<float>(limits.max_coordinate_m);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3f& point : scan.points) {
-    if (!point.allFinite()) continue;
-    if (point.cwiseAbs().maxCoeff() > limit) {
-      return absl::InvalidArgumentError(absl::StrFormat("scan has a coordinate beyond %g m; is it in metres?", limit));
-    }
-    ++num_finite;
-    sum += point.cast<double>();
-  }
-  if (num_finite < limits.min_points) {
+  const PointMoments moments = MeasurePoints(scan.points, stop);
+  if (stop.Requested()) return absl::OkStatus();
+  if (moments.largest > limits.max_coordinate_m) {
     return absl::InvalidArgumentError(
-        absl::StrCat("scan has ", num_finite, " finite points; at least ", limits.min_points, " are needed"));
+        absl::StrFormat("scan has a coordinate beyond %g m; is it in metres?", limits.max_coordinate_m));
   }
-  const Eigen::Vector3d mean = sum / static_cast<double>(num_finite);
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3f& point : scan.points) {
-    if (!point.allFinite()) continue;
-    const Eigen::Vector3d offset = point.cast<double>() - mean;
-    covariance.noalias() += offset * offset.transpose();
+  if (moments.num_finite < limits.min_points) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("scan has ", moments.num_finite, " finite points; at least ", limits.min_points, " are needed"));
   }
-  covariance /= static_cast<double>(num_finite);
+  const Eigen::Vector3d& mean = moments.mean;
   const Eigen::Vector3d variances =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues();
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments.covariance, Eigen::EigenvaluesOnly).eigenvalues();
   // A line as float32 has a second variance of its rounding only.
   const double rounding = 1e-12 * (mean.squaredNorm() + variances[2]);
   if (variances[2] <= rounding) return absl::InvalidArgumentError("all points of the scan are equal");

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/stop.h"
 
 namespace curvereg {
 
@@ -32,8 +33,9 @@ struct ScanLimits {
 };
 
 // OK, or INVALID_ARGUMENT: fewer finite points than min_points, more than max_points, a coordinate beyond the limit,
-// all points equal or on one line, gravity zero or not finite. Cost: one pass.
-absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits = {});
+// all points equal or on one line, gravity zero or not finite. Cost: one pass; OK without a full look once `stop` is
+// requested.
+absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits = {}, const Stop& stop = {});
 
 // 16 hexadecimal digits (XXH3-64 of the packed little-endian float32 coordinates and the gravity vector, if any):
 // equal scans have equal digests.

@@ -24,10 +24,13 @@ struct BinnedReturns {
   std::vector<Return> returns;       // by bin
 };
 
-BinnedReturns SortIntoBins(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& up, int bins_per_side) {
+BinnedReturns SortIntoBins(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& up, int bins_per_side,
+                           const Stop& stop) {
+  constexpr size_t kPointsPerQuestion = 65536;
   BinnedReturns binned{{bins_per_side}, std::vector<int>(points.size(), -1), {}, {}};
   binned.bin_begin.assign(static_cast<size_t>(binned.cube.num_bins()) + 1, 0);
   for (size_t i = 0; i < points.size(); ++i) {
+    if (i % kPointsPerQuestion == 0 && stop.Requested()) break;
     if (!points[i].allFinite() || points[i].isZero(0.0F)) continue;
     binned.bin_of_point[i] = binned.cube.BinOf(points[i]);
     ++binned.bin_begin[static_cast<size_t>(binned.bin_of_point[i]) + 1];
@@ -36,6 +39,7 @@ BinnedReturns SortIntoBins(const std::vector<Eigen::Vector3f>& points, const Eig
   binned.returns.resize(binned.bin_begin.back());
   std::vector<uint32_t> next(binned.bin_begin.begin(), binned.bin_begin.end() - 1);
   for (size_t i = 0; i < points.size(); ++i) {
+    if (i % kPointsPerQuestion == 0 && stop.Requested()) break;
     if (binned.bin_of_point[i] < 0) continue;
     binned.returns[next[static_cast<size_t>(binned.bin_of_point[i])]++] = {points[i].norm(), points[i].dot(up)};
   }
@@ -68,13 +72,14 @@ std::vector<Eigen::Vector3f> RemoveIsolatedReturns(const std::vector<Eigen::Vect
                                                    const Eigen::Vector3d& up, const IsolationOptions& options,
                                                    const Stop& stop) {
   const Eigen::Vector3f up_f = up.cast<float>();
-  const BinnedReturns binned = SortIntoBins(points, up_f, options.bins_per_side);
+  const BinnedReturns binned = SortIntoBins(points, up_f, options.bins_per_side, stop);
   constexpr size_t kBlock = 16384;
+  constexpr size_t kPointsPerQuestion = 512;  // each looks at thousands of neighbours where the scan is dense
   std::vector<std::vector<Eigen::Vector3f>> kept((points.size() + kBlock - 1) / kBlock);
   ParallelFor(static_cast<int>(kept.size()), [&](int block) {
-    if (stop.Requested()) return;
     const size_t begin = static_cast<size_t>(block) * kBlock;
     for (size_t i = begin; i < std::min(points.size(), begin + kBlock); ++i) {
+      if (i % kPointsPerQuestion == 0 && stop.Requested()) return;
       if (binned.bin_of_point[i] < 0) continue;
       const Return own{points[i].norm(), points[i].dot(up_f)};
       if (IsSupported(binned, binned.bin_of_point[i], own, options)) kept[static_cast<size_t>(block)].push_back(points[i]);

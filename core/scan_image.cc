@@ -64,19 +64,23 @@ struct HeightSum {
 
 // Lower median of each cell's heights: sorts the heights by cell, then selects.
 BirdsEyeImage MedianElevationImage(const std::vector<Eigen::Vector3f>& points, const Projector& projector,
-                                   const BirdsEyeOptions& options) {
+                                   const BirdsEyeOptions& options, const Stop& stop) {
   BirdsEyeImage result;
   result.cell_m = options.cell_m;
   result.values = Image<float>(options.size, options.size);
   result.valid = Image<uint8_t>(options.size, options.size);
   std::vector<uint32_t> begin(result.values.size() + 1, 0);
-  const Eigen::Vector3f* first = points.data();
-  const Eigen::Vector3f* last = first + points.size();
-  projector.ForEach(first, last, [&](size_t pixel, float) { ++begin[pixel + 1]; });
+  const size_t num_blocks = NumBlocks(points.size());
+  for (size_t block = 0; block < num_blocks && !stop.Requested(); ++block) {
+    ForEachInBlock(points, block, projector, [&](size_t pixel, float) { ++begin[pixel + 1]; });
+  }
   for (size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
   std::vector<float> heights(begin.back());
   std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
-  projector.ForEach(first, last, [&](size_t pixel, float height) { heights[next[pixel]++] = height; });
+  for (size_t block = 0; block < num_blocks; ++block) {
+    if (stop.Requested()) return result;
+    ForEachInBlock(points, block, projector, [&](size_t pixel, float height) { heights[next[pixel]++] = height; });
+  }
   for (size_t i = 0; i < result.values.size(); ++i) {
     if (begin[i] == begin[i + 1]) continue;
     const auto cell = heights.begin() + begin[i];
@@ -91,13 +95,14 @@ BirdsEyeImage MedianElevationImage(const std::vector<Eigen::Vector3f>& points, c
 }  // namespace
 
 BirdsEyeImage ElevationImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_level_sensor,
-                             const BirdsEyeOptions& options) {
+                             const BirdsEyeOptions& options, const Stop& stop) {
   const Projector projector(R_level_sensor, options);
-  if (options.median) return MedianElevationImage(points, projector, options);
+  if (options.median) return MedianElevationImage(points, projector, options, stop);
   std::vector<Image<HeightSum>> sums(NumBlocks(points.size()));
   ParallelFor(static_cast<int>(sums.size()), [&](int block) {
     Image<HeightSum>& image = sums[static_cast<size_t>(block)];
     image = Image<HeightSum>(options.size, options.size);
+    if (stop.Requested()) return;
     ForEachInBlock(points, static_cast<size_t>(block), projector, [&](size_t pixel, float height) {
       image.pixels[pixel].sum += height;
       image.pixels[pixel].count += 1.0F;
@@ -121,7 +126,8 @@ BirdsEyeImage ElevationImage(const std::vector<Eigen::Vector3f>& points, const E
 }
 
 OccupancySlices ComputeOccupancySlices(const std::vector<Eigen::Vector3f>& points,
-                                       const Eigen::Matrix3d& R_level_sensor, const BirdsEyeOptions& options) {
+                                       const Eigen::Matrix3d& R_level_sensor, const BirdsEyeOptions& options,
+                                       const Stop& stop) {
   constexpr auto kInverseSlice = static_cast<float>(1.0 / OccupancySlices::kSliceM);
   constexpr float kHalf = OccupancySlices::kNumSlices / 2;
   const Projector projector(R_level_sensor, options);
@@ -129,6 +135,7 @@ OccupancySlices ComputeOccupancySlices(const std::vector<Eigen::Vector3f>& point
   ParallelFor(static_cast<int>(parts.size()), [&](int block) {
     Image<uint64_t>& image = parts[static_cast<size_t>(block)];
     image = Image<uint64_t>(options.size, options.size);
+    if (stop.Requested()) return;
     ForEachInBlock(points, static_cast<size_t>(block), projector, [&](size_t pixel, float height) {
       const float slice = height * kInverseSlice + kHalf;
       if (slice < 0.0F || slice >= 2.0F * kHalf) return;

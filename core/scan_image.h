@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/stop.h"
 
 namespace curvereg {
 
@@ -37,9 +38,9 @@ struct BirdsEyeImage {
 };
 
 // Mean (or median) height [m] of the returns in each cell, in the levelled frame (0 at the sensor); 0 and invalid where none fell.
-// Points that are not finite are skipped.
+// Points that are not finite are skipped. Incomplete after a stop request.
 BirdsEyeImage ElevationImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_level_sensor,
-                             const BirdsEyeOptions& options = {});
+                             const BirdsEyeOptions& options = {}, const Stop& stop = {});
 
 // Which 0.5 m height slices of each cell hold a return: bit k is height [k - 32, k - 31) * 0.5 m.
 struct OccupancySlices {
@@ -48,8 +49,10 @@ struct OccupancySlices {
   Image<uint64_t> slices;
   double cell_m = 0.4;
 };
+// Incomplete after a stop request.
 OccupancySlices ComputeOccupancySlices(const std::vector<Eigen::Vector3f>& points,
-                                       const Eigen::Matrix3d& R_level_sensor, const BirdsEyeOptions& options);
+                                       const Eigen::Matrix3d& R_level_sensor, const BirdsEyeOptions& options,
+                                       const Stop& stop = {});
 
 // Number of occupied slices per cell: high on walls, trunks and rocks, whatever the attitude showed of them.
 BirdsEyeImage OccupancyImage(const OccupancySlices& slices);

@@ -11,9 +11,9 @@ namespace curvereg {
 namespace {
 
 BirdsEyeImage MakeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_level_sensor,
-                        const ViewOptions& options, OccupancySlices& slices) {
-  if (options.view == BirdsEyeView::kElevation) return ElevationImage(points, R_level_sensor, options.image);
-  slices = ComputeOccupancySlices(points, R_level_sensor, options.image);
+                        const ViewOptions& options, const Stop& stop, OccupancySlices& slices) {
+  if (options.view == BirdsEyeView::kElevation) return ElevationImage(points, R_level_sensor, options.image, stop);
+  slices = ComputeOccupancySlices(points, R_level_sensor, options.image, stop);
   return OccupancyImage(slices);
 }
 
@@ -49,10 +49,13 @@ ViewOptions CleanedElevationViewOptions() {
 }
 
 absl::StatusOr<ViewFeatures> ComputeViewFeatures(const std::vector<Eigen::Vector3f>& points,
-                                                 const Eigen::Matrix3d& R_level_sensor, const ViewOptions& options) {
+                                                 const Eigen::Matrix3d& R_level_sensor, const ViewOptions& options,
+                                                 const Stop& stop) {
+  const absl::Status stopped = absl::CancelledError("a view was not completed");
   ViewFeatures result;
   result.R_level_sensor = R_level_sensor;
-  result.image = MakeImage(points, R_level_sensor, options, result.slices);
+  result.image = MakeImage(points, R_level_sensor, options, stop, result.slices);
+  if (stop.Requested()) return stopped;
   if (options.view == BirdsEyeView::kElevation && options.max_spike_m > 0.0) {
     RemoveSpikes(options.spike_radius_px, static_cast<float>(options.max_spike_m), result.image.values,
                  result.image.valid);
@@ -69,9 +72,11 @@ absl::StatusOr<ViewFeatures> ComputeViewFeatures(const std::vector<Eigen::Vector
   TaperBorder(options.taper_px, tapered);
   absl::StatusOr<std::vector<Image<float>>> bands = ComputeScaleBands(tapered, options.bands);
   if (!bands.ok()) return bands.status();
+  if (stop.Requested()) return stopped;
   const std::vector<Image<float>> doc_stack = DifferenceOfCurvelets(*bands);
   const std::vector<Keypoint> keypoints =
       DetectKeypoints(doc_stack, ValidShare(result.valid, 4), options.keypoints);
+  if (stop.Requested()) return stopped;
   result.features = DescribeKeypoints(*bands, keypoints, options.descriptors);
   for (size_t i = 0; i < result.features.size(); ++i) {
     const Keypoint& keypoint = result.features.keypoints[i];

@@ -14,6 +14,7 @@
 #include "core/keypoints.h"
 #include "core/scale_bands.h"
 #include "core/scan_image.h"
+#include "core/stop.h"
 
 namespace curvereg {
 
@@ -48,9 +49,11 @@ struct ViewFeatures {
   std::vector<double> heights_m;       // elevation view only: levelled height of each feature
 };
 
-// INVALID_ARGUMENT: options out of range (see ScaleBands::Create). A scan without points gives no features.
+// INVALID_ARGUMENT: options out of range (see ScaleBands::Create). CANCELLED: `stop` was requested meanwhile, for
+// whatever cause. A scan without points gives no features.
 absl::StatusOr<ViewFeatures> ComputeViewFeatures(const std::vector<Eigen::Vector3f>& points,
-                                                 const Eigen::Matrix3d& R_level_sensor, const ViewOptions& options);
+                                                 const Eigen::Matrix3d& R_level_sensor, const ViewOptions& options,
+                                                 const Stop& stop = {});
 
 }  // namespace curvereg
 

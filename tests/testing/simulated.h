@@ -5,17 +5,13 @@
 #ifndef CURVEREG_TESTS_TESTING_SIMULATED_H_
 #define CURVEREG_TESTS_TESTING_SIMULATED_H_
 
+#include <algorithm>
 #include <string_view>
 
 #include "sim/presets.h"
 #include "sim/simulation.h"
 
 namespace curvereg::testing {
-
-// Precondition: `preset` is one of sim::Presets().
-inline sim::Simulation SimulationOf(std::string_view preset) {
-  return *sim::Simulation::Create(*sim::PresetOptions(preset));
-}
 
 struct ScanPairWithTruth {
   Scan source;
@@ -24,8 +20,11 @@ struct ScanPairWithTruth {
 };
 
 // Scans `source` and `target` of a preset; the truth means nothing for strangers.
+// Precondition: `preset` is one of sim::Presets().
 inline ScanPairWithTruth PairOf(std::string_view preset, int source, int target) {
-  const sim::Simulation simulation = SimulationOf(preset);
+  sim::SimulationOptions options = *sim::PresetOptions(preset);
+  options.num_scans = std::max(source, target) + 1;  // spares the worlds of other strangers
+  const sim::Simulation simulation = *sim::Simulation::Create(options);
   return {simulation.ScanAt(source), simulation.ScanAt(target),
           simulation.T_world_scan(target).inverse() * simulation.T_world_scan(source)};
 }
