@@ -15,8 +15,9 @@
 namespace curvereg {
 namespace {
 
-// SurfaceConsistency above which a pose accepted in the first view is not looked for in another.
-constexpr double kSureOfOneView = 0.3;
+// SurfaceConsistency above which an accepted pose ends the climb; one that is accepted with less stands only if no
+// further rung finds a surer one.
+constexpr double kSureConsistency = 0.3;
 
 // A pose under consideration.
 struct Candidate {
@@ -67,7 +68,7 @@ class CurveletRegistration {
       }
       if (absl::Status status = Climb(rung); !status.ok()) return status;
       Decide();
-      if (result_.verdict.accepted && (result_.evidence.num_attempts > 1 || is_sure_)) break;
+      if (result_.verdict.accepted && is_sure_) break;
     }
     if (stop_.Cancelled()) return absl::CancelledError("registration was cancelled");
     std::vector<Reason>& reasons = result_.verdict.reasons;
@@ -216,7 +217,7 @@ class CurveletRegistration {
     confidence_ = confidence;
     finalist.evidence.runner_up_ratio = RunnerUpConfidence(finalist, finalists) / confidence;
     FillResult(finalist.T_target_source, finalist.evidence, result_);
-    is_sure_ = SurfaceConsistency(finalist.evidence) > kSureOfOneView;
+    is_sure_ = SurfaceConsistency(finalist.evidence) > kSureConsistency;
     return result_.verdict.accepted;
   }
 
@@ -249,7 +250,7 @@ class CurveletRegistration {
   std::vector<Candidate> pool_;  // best first
   RegistrationResult result_;
   double confidence_ = -1.0;     // of the pose in result_
-  bool is_sure_ = false;         // so consistent that the first view alone is enough
+  bool is_sure_ = false;         // so consistent that no further rung is needed
   StageTimer timer_;
 };
 
