@@ -60,7 +60,8 @@ CURVEREG_DISPATCH int CountVotes(const float* sx, const float* sy, const float* 
     const float limit = tolerances.position + tolerances.position_per_metre * std::sqrt(dx * dx + dy * dy);
     const float turn = std::abs(yaw[j] - yaw0);
     const float difference = std::min(turn, 2.0F * kPi - turn);
-    votes += static_cast<int>(ex * ex + ey * ey < limit * limit) & static_cast<int>(difference < tolerances.orientation);
+    votes +=
+        static_cast<int>(ex * ex + ey * ey < limit * limit) & static_cast<int>(difference < tolerances.orientation);
   }
   return votes;
 }
@@ -110,8 +111,8 @@ PlanarHypothesis RefinedHypothesis(const MatchArrays& m, int seed, const Consens
   const auto i = static_cast<size_t>(seed);
   PlanarHypothesis hypothesis;
   hypothesis.yaw_rad = m.yaw[i];
-  hypothesis.shift = Eigen::Vector2d(m.tx[i], m.ty[i]) -
-                     Eigen::Rotation2Dd(hypothesis.yaw_rad) * Eigen::Vector2d(m.sx[i], m.sy[i]);
+  hypothesis.shift =
+      Eigen::Vector2d(m.tx[i], m.ty[i]) - Eigen::Rotation2Dd(hypothesis.yaw_rad) * Eigen::Vector2d(m.sx[i], m.sy[i]);
   // The first selection allows for the match's own yaw error, as the vote does.
   const float cosine = std::cos(m.yaw[i]);
   const float sine = std::sin(m.yaw[i]);
@@ -153,8 +154,8 @@ std::vector<PlanarHypothesis> FindPlanarHypotheses(const std::vector<PlanarFeatu
   constexpr int kBlock = 64;
   ParallelFor((num_matches + kBlock - 1) / kBlock, [&](int block) {
     for (int i = block * kBlock; i < std::min(num_matches, (block + 1) * kBlock); ++i) {
-      votes[static_cast<size_t>(i)] = CountVotes(arrays.sx.data(), arrays.sy.data(), arrays.tx.data(),
-                                                 arrays.ty.data(), arrays.yaw.data(), num_matches, i, tolerances);
+      votes[static_cast<size_t>(i)] = CountVotes(arrays.sx.data(), arrays.sy.data(), arrays.tx.data(), arrays.ty.data(),
+                                                 arrays.yaw.data(), num_matches, i, tolerances);
     }
   });
   std::vector<int> order(matches.size());
@@ -180,7 +181,8 @@ std::vector<PlanarHypothesis> FindPlanarHypotheses(const std::vector<PlanarFeatu
   std::stable_sort(found.begin(), found.end(), [](const PlanarHypothesis& a, const PlanarHypothesis& b) {
     return a.inliers.size() > b.inliers.size();
   });
-  if (found.size() > static_cast<size_t>(options.max_hypotheses)) found.resize(static_cast<size_t>(options.max_hypotheses));
+  if (found.size() > static_cast<size_t>(options.max_hypotheses))
+    found.resize(static_cast<size_t>(options.max_hypotheses));
   return found;
 }
 

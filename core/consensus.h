@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// From matches to pose hypotheses. Between two levelled bird's-eye views a pose has a yaw and a shift, so every match of
-// oriented features proposes one whole pose by itself; the others vote for it by position and orientation.
+// From matches to pose hypotheses. Between two levelled bird's-eye views a pose has a yaw and a shift, so every match
+// of oriented features proposes one whole pose by itself; the others vote for it by position and orientation.
 #ifndef CURVEREG_CORE_CONSENSUS_H_
 #define CURVEREG_CORE_CONSENSUS_H_
 
@@ -15,12 +15,12 @@
 namespace curvereg {
 
 struct ConsensusOptions {
-  double tolerance_m = 0.5;            // tau: position error of a matched key point
-  double orientation_rad = 0.35;       // largest disagreement of orientation differences
-  double tolerance_per_metre = 0.1;    // a match's own yaw error moves distant points: added per metre of distance
+  double tolerance_m = 0.5;          // tau: position error of a matched key point
+  double orientation_rad = 0.35;     // largest disagreement of orientation differences
+  double tolerance_per_metre = 0.1;  // a match's own yaw error moves distant points: added per metre of distance
   int max_hypotheses = 8;
   int min_inliers = 3;
-  double distinct_m = 1.0;             // hypotheses nearer than this and distinct_rad are one
+  double distinct_m = 1.0;  // hypotheses nearer than this and distinct_rad are one
   double distinct_rad = 0.1;
 };
 
@@ -31,9 +31,9 @@ struct PlanarFeature {
 };
 
 struct PlanarHypothesis {
-  double yaw_rad = 0.0;                                   // p_target = R(yaw) p_source + shift
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();        // [m]
-  std::vector<int> inliers;                               // indices into the matches, ascending
+  double yaw_rad = 0.0;                             // p_target = R(yaw) p_source + shift
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();  // [m]
+  std::vector<int> inliers;                         // indices into the matches, ascending
 };
 
 // Hypotheses by number of inliers, most first, pairwise distinct. Empty when no pose has min_inliers matches. O(M^2).

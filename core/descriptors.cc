@@ -14,11 +14,11 @@ namespace curvereg {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr int kWindow = 16;          // samples per side
-constexpr int kCells = 4;            // histogram cells per side
-constexpr int kDirections = 8;       // bins per cell
+constexpr int kWindow = 16;     // samples per side
+constexpr int kCells = 4;       // histogram cells per side
+constexpr int kDirections = 8;  // bins per cell
 constexpr int kOrientationBins = 36;
-constexpr float kClamp = 0.2F;       // limits the weight of single strong edges [Lowe 2004, section 6.1]
+constexpr float kClamp = 0.2F;  // limits the weight of single strong edges [Lowe 2004, section 6.1]
 
 // Gradient of one image in polar form: direction as a fraction of the full turn in [0, 1).
 struct GradientImage {
@@ -34,15 +34,16 @@ inline float TurnOf(float y, float x) {
   const float q = std::min(ax, ay) / (high > 0.0F ? high : 1.0F);
   const float q2 = q * q;
   const float octant =
-      q * (0.15915494F + q2 * (-0.05297858F + q2 * (0.03103654F + q2 * (-0.01868925F + q2 * (0.00833650F - q2 * 0.00186006F)))));
+      q * (0.15915494F +
+           q2 * (-0.05297858F + q2 * (0.03103654F + q2 * (-0.01868925F + q2 * (0.00833650F - q2 * 0.00186006F)))));
   const float quadrant = ay > ax ? 0.25F - octant : octant;
   const float half = x < 0.0F ? 0.5F - quadrant : quadrant;
   const float turn = y < 0.0F ? 1.0F - half : half;
   return turn >= 1.0F ? 0.0F : turn;
 }
 
-CURVEREG_DISPATCH void GradientRow(const float* above, const float* here, const float* below, int cols, float* magnitude,
-                                   float* turn) {
+CURVEREG_DISPATCH void GradientRow(const float* above, const float* here, const float* below, int cols,
+                                   float* magnitude, float* turn) {
   for (int col = 1; col < cols - 1; ++col) {
     const float dx = here[col + 1] - here[col - 1];
     const float dy = below[col] - above[col];

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Descriptors: a spatial histogram of gradients about each key point, 4x4 cells of 8 directions = 128 bins over a window
-// of 16x16 samples [paper, section 3.3], turned by the key point's dominant gradient directions where asked.
+// Descriptors: a spatial histogram of gradients about each key point, 4x4 cells of 8 directions = 128 bins over a
+// window of 16x16 samples [paper, section 3.3], turned by the key point's dominant gradient directions where asked.
 #ifndef CURVEREG_CORE_DESCRIPTORS_H_
 #define CURVEREG_CORE_DESCRIPTORS_H_
 
@@ -16,9 +16,9 @@ namespace curvereg {
 inline constexpr int kDescriptorSize = 128;
 
 struct DescriptorOptions {
-  double step_px = 1.5;             // distance of the 16x16 samples; 1 in the paper
-  bool oriented = true;             // false, as in the paper: the window stays aligned with the image
-  double second_peak_share = 0.8;   // further directions of at least this share of the strongest give a feature each
+  double step_px = 1.5;            // distance of the 16x16 samples; 1 in the paper
+  bool oriented = true;            // false, as in the paper: the window stays aligned with the image
+  double second_peak_share = 0.8;  // further directions of at least this share of the strongest give a feature each
   int max_orientations = 2;
 };
 

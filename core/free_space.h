@@ -17,10 +17,10 @@
 namespace curvereg {
 
 struct FreeSpaceOptions {
-  int max_bins_per_side = 96;       // of a cube face: 1.2 degrees; fewer for sparse scans, so that bins are not empty
-  double points_per_bin = 3.0;      // aimed at, on the faces that the sensor sees
-  double margin_m = 0.25;           // a point must be this much nearer than all returns to contradict,
-  double margin_per_metre = 0.02;   // plus this much per metre of range
+  int max_bins_per_side = 96;      // of a cube face: 1.2 degrees; fewer for sparse scans, so that bins are not empty
+  double points_per_bin = 3.0;     // aimed at, on the faces that the sensor sees
+  double margin_m = 0.25;          // a point must be this much nearer than all returns to contradict,
+  double margin_per_metre = 0.02;  // plus this much per metre of range
 };
 
 // Immutable after construction; safe to share.

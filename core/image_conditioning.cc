@@ -120,7 +120,8 @@ void GaussianBlur3x3(double sigma_px, Image<float>& image) {
     const float* here = horizontal.Row(row);
     const float* below = horizontal.Row(std::min(row + 1, image.rows - 1));
     float* out = image.Row(row);
-    for (size_t col = 0; col < cols; ++col) out[col] = centre_weight * here[col] + side_weight * (above[col] + below[col]);
+    for (size_t col = 0; col < cols; ++col)
+      out[col] = centre_weight * here[col] + side_weight * (above[col] + below[col]);
   }
 }
 

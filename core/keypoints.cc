@@ -61,7 +61,8 @@ std::vector<Keypoint> DetectLevel(const std::vector<Image<float>>& stack, int le
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Keypoint& a, const Keypoint& b) { return std::abs(a.response) > std::abs(b.response); });
-  if (found.size() > static_cast<size_t>(options.max_per_level)) found.resize(static_cast<size_t>(options.max_per_level));
+  if (found.size() > static_cast<size_t>(options.max_per_level))
+    found.resize(static_cast<size_t>(options.max_per_level));
   return found;
 }
 
@@ -83,9 +84,8 @@ std::vector<Keypoint> DetectKeypoints(const std::vector<Image<float>>& doc_stack
   const int last = std::min(options.last_level, static_cast<int>(doc_stack.size()) - 2);
   if (last < first) return {};
   std::vector<std::vector<Keypoint>> levels(static_cast<size_t>(last - first + 1));
-  ParallelFor(static_cast<int>(levels.size()), [&](int i) {
-    levels[static_cast<size_t>(i)] = DetectLevel(doc_stack, first + i, valid_share, options);
-  });
+  ParallelFor(static_cast<int>(levels.size()),
+              [&](int i) { levels[static_cast<size_t>(i)] = DetectLevel(doc_stack, first + i, valid_share, options); });
   std::vector<Keypoint> keypoints;
   for (const std::vector<Keypoint>& level : levels) keypoints.insert(keypoints.end(), level.begin(), level.end());
   return keypoints;

@@ -13,12 +13,12 @@
 namespace curvereg {
 
 struct KeypointOptions {
-  int first_level = 1;             // index into the DoC stack; 0 is the coarsest band itself
+  int first_level = 1;  // index into the DoC stack; 0 is the coarsest band itself
   int last_level = 4;
-  double min_response = 0.005;     // |DoC| below it is noise, in the image's unit (5 mm of height)
-  double min_valid_share = 0.4;    // of the 9x9 window about the point: no key points on interpolated ground
-  int max_per_level = 400;         // strongest first
-  int border_px = 8;               // none nearer to the image border, where the taper works
+  double min_response = 0.005;   // |DoC| below it is noise, in the image's unit (5 mm of height)
+  double min_valid_share = 0.4;  // of the 9x9 window about the point: no key points on interpolated ground
+  int max_per_level = 400;       // strongest first
+  int border_px = 8;             // none nearer to the image border, where the taper works
 };
 
 struct Keypoint {

@@ -17,9 +17,9 @@
 namespace curvereg {
 
 struct LevelingOptions {
-  double planarity = 0.08;             // an element is planar when its normal deviation is below this share of its cell
-  double cluster_rad = 0.0873;         // 5 degrees: normals this near to each other (or opposite) are one direction
-  double min_relative_weight = 0.6;    // a second direction counts only with this share of the first one's weight
+  double planarity = 0.08;           // an element is planar when its normal deviation is below this share of its cell
+  double cluster_rad = 0.0873;       // 5 degrees: normals this near to each other (or opposite) are one direction
+  double min_relative_weight = 0.6;  // a second direction counts only with this share of the first one's weight
   int max_candidates = 2;
 };
 
@@ -29,7 +29,8 @@ struct LevelingCandidate {
 };
 
 // Strongest first; never empty: without any planar element, the sensor's own z axis. With `gravity` (down, sensor
-// frame) exactly that one. `maps` from fine to coarse; the finest level is not used (it starves on sparse ground rings).
+// frame) exactly that one. `maps` from fine to coarse; the finest level is not used (it starves on sparse ground
+// rings).
 std::vector<LevelingCandidate> FindVerticals(const std::vector<VoxelMap>& maps,
                                              const std::optional<Eigen::Vector3d>& gravity,
                                              const LevelingOptions& options = {});

@@ -37,8 +37,8 @@ struct PreparationOptions {
 
 class PreparedScan {
  public:
-  // INVALID_ARGUMENT: see ValidateScan. CANCELLED / DEADLINE_EXCEEDED: `stop` was requested meanwhile (it is asked every
-  // few milliseconds of work). Uses the threads of the innermost WithThreadLimit.
+  // INVALID_ARGUMENT: see ValidateScan. CANCELLED / DEADLINE_EXCEEDED: `stop` was requested meanwhile (it is asked
+  // every few milliseconds of work). Uses the threads of the innermost WithThreadLimit.
   static absl::StatusOr<std::unique_ptr<const PreparedScan>> Create(std::shared_ptr<const Scan> scan,
                                                                     const PreparationOptions& options = {},
                                                                     const Stop& stop = {});

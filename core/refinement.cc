@@ -12,7 +12,7 @@ namespace curvereg {
 namespace {
 
 constexpr double kInlierSigmas = 6.0;  // of the means' spread, about three of the elements' own roughness
-constexpr size_t kBlock = 2048;  // elements per task; fixed, so that sums have one order
+constexpr size_t kBlock = 2048;        // elements per task; fixed, so that sums have one order
 
 // One element of each scan, taken for the same piece of surface, under the current pose.
 struct ElementPair {
@@ -20,7 +20,7 @@ struct ElementPair {
   Eigen::Vector3d normal;         // mean of both normals, target frame
   Eigen::Vector3d source_normal;  // moved to the target frame
   Eigen::Vector3d target_normal;
-  double residual;    // signed distance along the normal [m]
+  double residual;       // signed distance along the normal [m]
   double inverse_sigma;  // of the residual, from both elements' roughness [1/m]
   double normal_noise;   // product of the standard deviations of both normals' directions [rad^2]
 };
@@ -67,8 +67,8 @@ class PairFinder {
 
   size_t num_elements() const { return source_.surfels().size() + target_.surfels().size(); }
 
-  // Appends pairs of each source element with the target's grid, then of each target element with the source's grid: two
-  // grids average out where their cells happen to cut the surface.
+  // Appends pairs of each source element with the target's grid, then of each target element with the source's grid:
+  // two grids average out where their cells happen to cut the surface.
   void Find(const RigidTransform& T_target_source, std::vector<ElementPair>& pairs) const {
     const size_t num_source = source_.surfels().size();
     const size_t num_all = num_source + target_.surfels().size();
@@ -165,8 +165,8 @@ NormalEquations Accumulate(const std::vector<ElementPair>& pairs, double kernel_
     const size_t begin = static_cast<size_t>(block) * kBlock;
     for (size_t i = begin; i < std::min(pairs.size(), begin + kBlock); ++i) {
       const ElementPair& pair = pairs[i];
-      const double weight = KernelWeight(pair.residual * pair.inverse_sigma, kernel_scale) * pair.inverse_sigma *
-                            pair.inverse_sigma;
+      const double weight =
+          KernelWeight(pair.residual * pair.inverse_sigma, kernel_scale) * pair.inverse_sigma * pair.inverse_sigma;
       const Vector6d J = Jacobian(pair.point_target, pair.normal);
       sum.H.noalias() += (weight * J) * J.transpose();
       sum.g.noalias() += (weight * pair.residual) * J;

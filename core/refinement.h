@@ -17,14 +17,14 @@
 namespace curvereg {
 
 struct RefinementOptions {
-  int max_iterations = 15;             // per level
-  double min_normal_cosine = 0.7;      // elements facing away from each other (45 degrees) are not one surface
-  double kernel_sigmas = 2.5;          // Geman-McClure scale in robust standard deviations of the residuals
-  double min_kernel_m = 0.01;          // never sharper than this
-  double noise_floor_m = 0.005;        // added to an element's own roughness in its weight
-  double converged_m = 1e-4;           // a step below both ends the level
+  int max_iterations = 15;         // per level
+  double min_normal_cosine = 0.7;  // elements facing away from each other (45 degrees) are not one surface
+  double kernel_sigmas = 2.5;      // Geman-McClure scale in robust standard deviations of the residuals
+  double min_kernel_m = 0.01;      // never sharper than this
+  double noise_floor_m = 0.005;    // added to an element's own roughness in its weight
+  double converged_m = 1e-4;       // a step below both ends the level
   double converged_rad = 1e-5;
-  bool measure_information = true;     // false saves time where only pose and residuals are wanted
+  bool measure_information = true;  // false saves time where only pose and residuals are wanted
 };
 
 // How well the surfaces lie on each other. Directions are tangent vectors as in rigid_transform.h, target frame.
@@ -37,11 +37,11 @@ struct SurfaceFit {
   Matrix6d cross_information = Matrix6d::Zero();
   // What the noise of the normals alone would add to the cross information, as a quartic form: see NoiseVarianceAlong.
   Eigen::Matrix<double, 21, 21> noise_form = Eigen::Matrix<double, 21, 21>::Zero();
-  int num_pairs = 0;                // element pairs found
-  int num_elements = 0;             // elements asked
-  double inlier_fraction = 0.0;     // pairs nearer than three times their own roughness, of num_pairs, [0, 1]
-  double residual_rms_m = 0.0;      // kernel-weighted
-  double residual_median_m = 0.0;   // of |residual|
+  int num_pairs = 0;               // element pairs found
+  int num_elements = 0;            // elements asked
+  double inlier_fraction = 0.0;    // pairs nearer than three times their own roughness, of num_pairs, [0, 1]
+  double residual_rms_m = 0.0;     // kernel-weighted
+  double residual_median_m = 0.0;  // of |residual|
   double residual_p90_m = 0.0;
   int iterations = 0;
   bool converged = false;

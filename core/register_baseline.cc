@@ -48,8 +48,8 @@ absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan& source, const Sc
 
 absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan&, const Scan&, const RegistrationOptions& options,
                                                     const Stop&) {
-  return absl::UnimplementedError(
-      std::string("this build leaves out the method ") + std::string(MethodName(options.method)) + " (needs PCL)");
+  return absl::UnimplementedError(std::string("this build leaves out the method ") +
+                                  std::string(MethodName(options.method)) + " (needs PCL)");
 }
 
 #endif

@@ -141,7 +141,8 @@ class CurveletRegistration {
       candidate.evidence.image_correlation = std::max(candidate.evidence.image_correlation, ncc);
       candidate.score = PoseScore(candidate.evidence);
     });
-    std::stable_sort(pool_.begin(), pool_.end(), [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+    std::stable_sort(pool_.begin(), pool_.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
     timer_.Lap("hypotheses");
     Evidence& evidence = result_.evidence;
     evidence.num_source_keypoints = static_cast<int>((*views[0])->features.size());
@@ -161,8 +162,8 @@ class CurveletRegistration {
     const size_t coarsest = source_maps.size() - 1;
     for (size_t level = coarsest; level > 0; --level) {
       options.max_iterations = level == coarsest ? 12 : 8;
-      candidate.evidence.fit = RefineOnLevels(source_maps, target_maps, {level, coarsest}, candidate.T_target_source,
-                                              options, stop_);
+      candidate.evidence.fit =
+          RefineOnLevels(source_maps, target_maps, {level, coarsest}, candidate.T_target_source, options, stop_);
       candidate.T_target_source = candidate.evidence.fit.T_target_source;
     }
     candidate.evidence.check = CheckPose(*source_, *target_, candidate.T_target_source);
@@ -249,8 +250,8 @@ class CurveletRegistration {
   std::vector<Candidate> guesses_;
   std::vector<Candidate> pool_;  // best first
   RegistrationResult result_;
-  double confidence_ = -1.0;     // of the pose in result_
-  bool is_sure_ = false;         // so consistent that no further rung is needed
+  double confidence_ = -1.0;  // of the pose in result_
+  bool is_sure_ = false;      // so consistent that no further rung is needed
   StageTimer timer_;
 };
 

@@ -101,8 +101,8 @@ absl::StatusOr<RegistrationResult> PrepareAndRun(const Scan& source, const Scan&
   return result;
 }
 
-absl::StatusOr<RegistrationResult> RunMethod(const Scan& source, const Scan& target,
-                                             const RegistrationOptions& options, const Stop& stop) {
+absl::StatusOr<RegistrationResult> RunMethod(const Scan& source, const Scan& target, const RegistrationOptions& options,
+                                             const Stop& stop) {
   switch (options.method) {
     case Method::kCurvelet:
     case Method::kIcp:
@@ -146,8 +146,7 @@ std::string BuildId() { return absl::StrCat("curvereg ", CURVEREG_VERSION, " (",
 
 absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan& target,
                                                  const RegistrationOptions& options) {
-  return RunWithin(options, source, target,
-                   [&](const Stop& stop) { return RunMethod(source, target, options, stop); });
+  return RunWithin(options, source, target, [&](const Stop& stop) { return RunMethod(source, target, options, stop); });
 }
 
 absl::StatusOr<RegistrationResult> RegisterPreparedScans(const PreparedScan& source, const PreparedScan& target,

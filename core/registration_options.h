@@ -39,10 +39,10 @@ struct Prior {
 struct RegistrationOptions {
   Method method = Method::kCurvelet;
   std::optional<Prior> prior;
-  uint64_t seed = 1;                     // of RANSAC; the same seed gives the same bytes
-  int num_threads = 0;                   // most threads to use; 0: one per processor
-  std::optional<double> time_budget_s;   // at its end: the best pose so far, marked with Reason::kDeadline
-  std::stop_token cancellation;          // at its request: absl::CancelledError
+  uint64_t seed = 1;                    // of RANSAC; the same seed gives the same bytes
+  int num_threads = 0;                  // most threads to use; 0: one per processor
+  std::optional<double> time_budget_s;  // at its end: the best pose so far, marked with Reason::kDeadline
+  std::stop_token cancellation;         // at its request: absl::CancelledError
   ScanLimits limits;
 };
 

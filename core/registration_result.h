@@ -49,18 +49,18 @@ struct Evidence {
   int num_source_keypoints = 0;
   int num_target_keypoints = 0;
   int num_matches = 0;
-  int num_inliers = 0;     // matches that agree with the chosen hypothesis
-  int num_hypotheses = 0;  // distinct poses tried
-  int num_attempts = 0;    // rungs of the escalation ladder climbed
-  double overlap_source = -1.0;       // share of the source's surface that the target saw, in [0, 1]
-  double overlap_target = -1.0;       // share of the target's surface that the source saw, in [0, 1]
-  double free_space_agreement = -1.0; // 1 minus the share of points that lie where the other scan saw through
-  double image_correlation = -1.0;    // normalised correlation of the two band-passed views under the pose, [-1, 1]
-  double inlier_fraction = -1.0;      // share of overlapping surface elements within the residual gate, [0, 1]
-  double residual_rmse_m = -1.0;      // of surface distances after the last iteration [m]
-  double residual_median_m = -1.0;    // of |surface distance| [m]
+  int num_inliers = 0;                 // matches that agree with the chosen hypothesis
+  int num_hypotheses = 0;              // distinct poses tried
+  int num_attempts = 0;                // rungs of the escalation ladder climbed
+  double overlap_source = -1.0;        // share of the source's surface that the target saw, in [0, 1]
+  double overlap_target = -1.0;        // share of the target's surface that the source saw, in [0, 1]
+  double free_space_agreement = -1.0;  // 1 minus the share of points that lie where the other scan saw through
+  double image_correlation = -1.0;     // normalised correlation of the two band-passed views under the pose, [-1, 1]
+  double inlier_fraction = -1.0;       // share of overlapping surface elements within the residual gate, [0, 1]
+  double residual_rmse_m = -1.0;       // of surface distances after the last iteration [m]
+  double residual_median_m = -1.0;     // of |surface distance| [m]
   double residual_p90_m = -1.0;
-  double runner_up_ratio = -1.0;      // score of the best different pose over that of the chosen one, in [0, 1]
+  double runner_up_ratio = -1.0;  // score of the best different pose over that of the chosen one, in [0, 1]
 };
 
 struct StageTime {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rigid transforms. T_target_source maps source coordinates to target coordinates: p_target = T_target_source * p_source.
-// Tangent vectors are ordered (rotation [rad], translation [m]) and act from the left:
-// T' = Exp(delta) * T, so delta is expressed in the target frame.
+// Rigid transforms. T_target_source maps source coordinates to target coordinates: p_target = T_target_source *
+// p_source. Tangent vectors are ordered (rotation [rad], translation [m]) and act from the left: T' = Exp(delta) * T,
+// so delta is expressed in the target frame.
 #ifndef CURVEREG_CORE_RIGID_TRANSFORM_H_
 #define CURVEREG_CORE_RIGID_TRANSFORM_H_
 
@@ -22,7 +22,8 @@ Eigen::Matrix3d RotationFromVector(const Eigen::Vector3d& omega);
 // Rotation vector [rad], length in [0, pi], of the rotation matrix `R`.
 Eigen::Vector3d VectorFromRotation(const Eigen::Matrix3d& R);
 
-// The transform with rotation Exp(delta.head<3>()) and translation delta.tail<3>() (SO(3) x R^3, not SE(3)'s exponential).
+// The transform with rotation Exp(delta.head<3>()) and translation delta.tail<3>() (SO(3) x R^3, not SE(3)'s
+// exponential).
 RigidTransform TransformFromVector(const Vector6d& delta);
 
 // Angle [rad] in [0, pi] of the rotation part of `T`.

@@ -27,9 +27,9 @@ struct Scan {
 
 // What a scan must be to take part in a registration; the first broken rule is named in the error.
 struct ScanLimits {
-  int64_t min_points = 100;          // finite points needed; below it nothing can be fitted to
-  int64_t max_points = 50'000'000;   // refuses what would not fit in memory
-  double max_coordinate_m = 100e3;   // |x|, |y|, |z| above it are refused: not a scan in metres
+  int64_t min_points = 100;         // finite points needed; below it nothing can be fitted to
+  int64_t max_points = 50'000'000;  // refuses what would not fit in memory
+  double max_coordinate_m = 100e3;  // |x|, |y|, |z| above it are refused: not a scan in metres
 };
 
 // OK, or INVALID_ARGUMENT: fewer finite points than min_points, more than max_points, a coordinate beyond the limit,

@@ -19,9 +19,9 @@ struct Return {
 // Returns grouped by the bin of their direction (counting sort).
 struct BinnedReturns {
   CubeMap cube;
-  std::vector<int> bin_of_point;     // -1 for points that are not finite or at the origin
-  std::vector<uint32_t> bin_begin;   // num_bins + 1
-  std::vector<Return> returns;       // by bin
+  std::vector<int> bin_of_point;    // -1 for points that are not finite or at the origin
+  std::vector<uint32_t> bin_begin;  // num_bins + 1
+  std::vector<Return> returns;      // by bin
 };
 
 BinnedReturns SortIntoBins(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& up, int bins_per_side,
@@ -82,7 +82,8 @@ std::vector<Eigen::Vector3f> RemoveIsolatedReturns(const std::vector<Eigen::Vect
       if (i % kPointsPerQuestion == 0 && stop.Requested()) return;
       if (binned.bin_of_point[i] < 0) continue;
       const Return own{points[i].norm(), points[i].dot(up_f)};
-      if (IsSupported(binned, binned.bin_of_point[i], own, options)) kept[static_cast<size_t>(block)].push_back(points[i]);
+      if (IsSupported(binned, binned.bin_of_point[i], own, options))
+        kept[static_cast<size_t>(block)].push_back(points[i]);
     }
   });
   std::vector<Eigen::Vector3f> result;

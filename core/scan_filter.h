@@ -15,17 +15,18 @@
 namespace curvereg {
 
 struct IsolationOptions {
-  int bins_per_side = 90;             // of the cube map: neighbours lie within about 1.5 degrees
-  double min_agreeing_share = 0.3;    // of the neighbours
-  int min_agreeing = 2;               // and at least this many
-  double range_m = 0.3;               // |range difference| < range_m + range_per_m2 * range^2
+  int bins_per_side = 90;           // of the cube map: neighbours lie within about 1.5 degrees
+  double min_agreeing_share = 0.3;  // of the neighbours
+  int min_agreeing = 2;             // and at least this many
+  double range_m = 0.3;             // |range difference| < range_m + range_per_m2 * range^2
   double range_per_m2 = 0.012;
-  double height_m = 0.2;              // |height difference| < height_m + height_per_m * range
+  double height_m = 0.2;  // |height difference| < height_m + height_per_m * range
   double height_per_m = 0.01;
 };
 
 // The finite points that are not isolated, in their order. `up`: unit vector of the vertical in the sensor frame.
-// O(points x neighbours). After a stop request what is returned is incomplete. Uses the threads of the innermost WithThreadLimit.
+// O(points x neighbours). After a stop request what is returned is incomplete. Uses the threads of the innermost
+// WithThreadLimit.
 std::vector<Eigen::Vector3f> RemoveIsolatedReturns(const std::vector<Eigen::Vector3f>& points,
                                                    const Eigen::Vector3d& up, const IsolationOptions& options = {},
                                                    const Stop& stop = {});

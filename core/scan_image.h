@@ -37,8 +37,8 @@ struct BirdsEyeImage {
   }
 };
 
-// Mean (or median) height [m] of the returns in each cell, in the levelled frame (0 at the sensor); 0 and invalid where none fell.
-// Points that are not finite are skipped. Incomplete after a stop request.
+// Mean (or median) height [m] of the returns in each cell, in the levelled frame (0 at the sensor); 0 and invalid where
+// none fell. Points that are not finite are skipped. Incomplete after a stop request.
 BirdsEyeImage ElevationImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_level_sensor,
                              const BirdsEyeOptions& options = {}, const Stop& stop = {});
 

@@ -99,8 +99,8 @@ std::vector<DegenerateDirection> FindDegenerateDirections(const SurfaceFit& fit,
     DegenerateDirection degenerate;
     degenerate.direction = (scale.asDiagonal() * direction).normalized();
     const double information_along = degenerate.direction.dot(fit.cross_information * degenerate.direction);
-    degenerate.sigma = information_along > 0.0 ? 1.0 / std::sqrt(information_along)
-                                               : std::numeric_limits<double>::infinity();
+    degenerate.sigma =
+        information_along > 0.0 ? 1.0 / std::sqrt(information_along) : std::numeric_limits<double>::infinity();
     directions.push_back(degenerate);
   }
   return directions;
@@ -114,8 +114,8 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
     if (condition) verdict.reasons.push_back(reason);
   };
   // Written so that what is not a number rejects.
-  const bool overlaps = evidence.check.overlap_source >= options.min_overlap &&
-                        evidence.check.overlap_target >= options.min_overlap;
+  const bool overlaps =
+      evidence.check.overlap_source >= options.min_overlap && evidence.check.overlap_target >= options.min_overlap;
   reject_if(evidence.fit.num_pairs < 6, Reason::kTooFewPoints);
   // Consistency is a product; the reason named is the factor that falls short most.
   const bool consistent = SurfaceConsistency(evidence) >= options.min_consistency;

@@ -39,7 +39,7 @@ struct PoseEvidence {
   double image_correlation = 0.0;  // the best of the views computed, [-1, 1]
   int num_matches = 0;             // of the view that proposed the pose
   int num_inliers = 0;
-  double runner_up_ratio = 0.0;    // score of the best different pose over this one's
+  double runner_up_ratio = 0.0;  // score of the best different pose over this one's
 };
 
 // Ranks poses of one pair of scans; larger is better, no unit.
@@ -56,7 +56,7 @@ struct VerdictOptions {
   double min_overlap = 0.15;            // of either scan
   double min_image_correlation = 0.35;  // unrelated ground correlates up to 0.3
   double max_runner_up_ratio = 0.8;
-  double min_information_z = 5.0;       // standard deviations by which a direction's information must exceed noise
+  double min_information_z = 5.0;  // standard deviations by which a direction's information must exceed noise
 };
 
 // Directions that the common surface does not determine (target frame): their information, taken with one normal from

@@ -74,8 +74,7 @@ absl::StatusOr<ViewFeatures> ComputeViewFeatures(const std::vector<Eigen::Vector
   if (!bands.ok()) return bands.status();
   if (stop.Requested()) return stopped;
   const std::vector<Image<float>> doc_stack = DifferenceOfCurvelets(*bands);
-  const std::vector<Keypoint> keypoints =
-      DetectKeypoints(doc_stack, ValidShare(result.valid, 4), options.keypoints);
+  const std::vector<Keypoint> keypoints = DetectKeypoints(doc_stack, ValidShare(result.valid, 4), options.keypoints);
   if (stop.Requested()) return stopped;
   result.features = DescribeKeypoints(*bands, keypoints, options.descriptors);
   for (size_t i = 0; i < result.features.size(); ++i) {

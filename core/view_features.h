@@ -23,8 +23,8 @@ enum class BirdsEyeView { kElevation, kOccupancy };
 struct ViewOptions {
   BirdsEyeView view = BirdsEyeView::kElevation;
   BirdsEyeOptions image;
-  int spike_radius_px = 2;          // elevation: window that a cell's height is compared with,
-  double max_spike_m = 0.0;         // and by how much it may stand out; 0: no comparison (clean scans)
+  int spike_radius_px = 2;   // elevation: window that a cell's height is compared with,
+  double max_spike_m = 0.0;  // and by how much it may stand out; 0: no comparison (clean scans)
   double blur_sigma_px = 0.5;
   int taper_px = 16;
   ScaleBandOptions bands;
@@ -40,13 +40,13 @@ ViewOptions CleanedElevationViewOptions();
 
 struct ViewFeatures {
   Eigen::Matrix3d R_level_sensor = Eigen::Matrix3d::Identity();
-  BirdsEyeImage image;                 // conditioned (elevation: filled, detrended) before the transform
-  Image<float> band_pass;              // sum of the bands that carry features: what verification correlates
-  Image<uint8_t> valid;                // where returns fell
-  OccupancySlices slices;              // occupancy view only
+  BirdsEyeImage image;     // conditioned (elevation: filled, detrended) before the transform
+  Image<float> band_pass;  // sum of the bands that carry features: what verification correlates
+  Image<uint8_t> valid;    // where returns fell
+  OccupancySlices slices;  // occupancy view only
   Features features;
-  std::vector<PlanarFeature> planar;   // the features on the levelled ground, same order
-  std::vector<double> heights_m;       // elevation view only: levelled height of each feature
+  std::vector<PlanarFeature> planar;  // the features on the levelled ground, same order
+  std::vector<double> heights_m;      // elevation view only: levelled height of each feature
 };
 
 // INVALID_ARGUMENT: options out of range (see ScaleBands::Create). CANCELLED: `stop` was requested meanwhile, for

@@ -16,7 +16,7 @@ constexpr int kKeyBits = 21;
 constexpr int kKeyOffset = 1 << (kKeyBits - 1);
 constexpr uint64_t kEmptyKey = ~uint64_t{0};
 constexpr uint64_t kHashFactor = 0x9E3779B97F4A7C15ULL;
-constexpr double kMinWidth = 0.06;  // of a cell: standard deviation across; a filled cell has 0.29
+constexpr double kMinWidth = 0.06;         // of a cell: standard deviation across; a filled cell has 0.29
 constexpr size_t kPointsPerBlock = 65536;  // fixed, so that the order of sums does not depend on the thread count
 
 int FloorToInt(float value) {

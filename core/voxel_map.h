@@ -4,7 +4,8 @@
 // Surface elements of a scan on cubic grids: per cell the mean, covariance and normal of its points. Built once per
 // scan in the sensor frame; levelling reads planes off it, refinement lays one scan's elements on the other's.
 // The coarser levels are sums of the finer one's moments, so three levels cost one pass over the points.
-// Grids are aligned with the sensor frame's origin. Moments are summed in a fixed order: same bytes at any thread count.
+// Grids are aligned with the sensor frame's origin. Moments are summed in a fixed order: same bytes at any thread
+// count.
 #ifndef CURVEREG_CORE_VOXEL_MAP_H_
 #define CURVEREG_CORE_VOXEL_MAP_H_
 
@@ -17,14 +18,14 @@
 namespace curvereg {
 
 struct Surfel {
-  Eigen::Vector3f mean;             // [m]
-  Eigen::Vector3f normal;           // unit eigenvector of the smallest variance, pointing to the sensor's side
-  Eigen::Matrix3f covariance;       // [m^2]
-  Eigen::Vector3f representative;   // the cell's point nearest to its mean's cell order: its first point [m]
-  float normal_variance = 0.0F;     // smallest eigenvalue [m^2]
-  float middle_variance = 0.0F;     // middle eigenvalue [m^2]; small when the points lie on a line
-  int count = 0;                    // points in the cell
-  bool has_normal = false;          // false when the points lie on a line (one scan ring): the normal means nothing
+  Eigen::Vector3f mean;            // [m]
+  Eigen::Vector3f normal;          // unit eigenvector of the smallest variance, pointing to the sensor's side
+  Eigen::Matrix3f covariance;      // [m^2]
+  Eigen::Vector3f representative;  // the cell's point nearest to its mean's cell order: its first point [m]
+  float normal_variance = 0.0F;    // smallest eigenvalue [m^2]
+  float middle_variance = 0.0F;    // middle eigenvalue [m^2]; small when the points lie on a line
+  int count = 0;                   // points in the cell
+  bool has_normal = false;         // false when the points lie on a line (one scan ring): the normal means nothing
 };
 
 // Cells with enough points of one grid, findable by position.

@@ -23,10 +23,10 @@ struct ScanPair {
 
 struct Dataset {
   std::string folder;
-  std::vector<std::string> scan_names;  // in name order
-  std::vector<std::string> scan_paths;  // same order
+  std::vector<std::string> scan_names;                      // in name order
+  std::vector<std::string> scan_paths;                      // same order
   std::vector<std::optional<RigidTransform>> T_world_scan;  // same order; nullopt where poses.txt has none
-  std::vector<ScanPair> pairs;          // what to register
+  std::vector<ScanPair> pairs;                              // what to register
 };
 
 struct PairSelection {

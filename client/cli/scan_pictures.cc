@@ -10,8 +10,8 @@
 #include "client/cli/stage_pictures.h"
 #include "core/curvelet_transform.h"
 #include "core/image_conditioning.h"
-#include "core/prepared_scan.h"
 #include "core/paper_features.h"
+#include "core/prepared_scan.h"
 #include "core/scale_bands.h"
 
 namespace curvereg::cli {
