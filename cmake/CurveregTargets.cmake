@@ -46,7 +46,8 @@ function(curvereg_add_test path)
     ${name}
     TEST_PREFIX "${path}:"
     DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
+    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT}
+               ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
 endfunction()
 
 # curvereg_add_benchmark(scale_bands [LIBRARIES ...]): builds bench/scale_bands_bench.cc.

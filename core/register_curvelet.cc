@@ -174,8 +174,8 @@ class CurveletRegistration {
     if (!options_.prior.has_value() || !options_.prior->covariance.has_value()) return true;
     const RigidTransform& T_prior = options_.prior->T_target_source;
     Vector6d error;
-    error << VectorFromRotation(T_target_source.linear() * T_prior.linear().transpose()),
-        T_target_source.translation() - T_prior.translation();
+    const RigidTransform off = T_target_source * T_prior.inverse();  // the left perturbation that the covariance is of
+    error << VectorFromRotation(off.linear()), off.translation();
     const double squared = error.dot(options_.prior->covariance->ldlt().solve(error));
     return squared <= 25.0;
   }

@@ -32,9 +32,11 @@ absl::Status ValidateOptions(const RegistrationOptions& options) {
     return absl::InvalidArgumentError("the prior is not a rigid transform (rotation not orthonormal, or not finite)");
   }
   if (options.prior->covariance.has_value()) {
-    const Eigen::LLT<Matrix6d> cholesky(*options.prior->covariance);
-    if (!options.prior->covariance->allFinite() || cholesky.info() != Eigen::Success) {
-      return absl::InvalidArgumentError("the prior's covariance is not positive definite");
+    const Matrix6d& covariance = *options.prior->covariance;
+    const Eigen::LLT<Matrix6d> cholesky(covariance);  // of the lower triangle
+    const bool is_symmetric = covariance.isApprox(covariance.transpose(), 1e-6);
+    if (!covariance.allFinite() || !is_symmetric || cholesky.info() != Eigen::Success) {
+      return absl::InvalidArgumentError("the prior's covariance is not symmetric positive definite");
     }
   }
   return absl::OkStatus();

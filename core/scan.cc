@@ -16,39 +16,58 @@
 namespace curvereg {
 namespace {
 
-struct PointMoments {
+constexpr size_t kPointsPerQuestion = 65536;
+
+bool IsFinite(const Eigen::Vector3f& point) {
+  const Eigen::Vector3f zero = point - point;  // NaN where a coordinate is not finite
+  return zero.x() == 0.0F && zero.y() == 0.0F && zero.z() == 0.0F;
+}
+
+struct PointCounts {
   int64_t num_finite = 0;
-  float largest = 0.0F;  // |coordinate| [m]
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  float largest = 0.0F;  // |coordinate| of the finite points [m]
 };
 
-// One pass; sums are taken about the first finite point, which keeps them exact enough far from the origin.
-PointMoments MeasurePoints(const std::vector<Eigen::Vector3f>& points, const Stop& stop) {
-  constexpr size_t kPointsPerQuestion = 65536;
-  PointMoments moments;
-  Eigen::Vector3f origin = Eigen::Vector3f::Zero();
-  double x = 0.0, y = 0.0, z = 0.0, xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (i % kPointsPerQuestion == 0 && stop.Requested()) break;
-    const Eigen::Vector3f& point = points[i];
-    const float sum = point.x() + point.y() + point.z();
-    if (!(sum - sum == 0.0F)) continue;  // not finite
-    if (moments.num_finite++ == 0) origin = point;
-    moments.largest = std::max({moments.largest, std::abs(point.x()), std::abs(point.y()), std::abs(point.z())});
-    const double dx = static_cast<double>(point.x()) - origin.x();
-    const double dy = static_cast<double>(point.y()) - origin.y();
-    const double dz = static_cast<double>(point.z()) - origin.z();
-    x += dx, y += dy, z += dz;
-    xx += dx * dx, xy += dx * dy, xz += dx * dz, yy += dy * dy, yz += dy * dz, zz += dz * dz;
+PointCounts CountPoints(const std::vector<Eigen::Vector3f>& points, const Stop& stop) {
+  PointCounts counts;
+  for (size_t begin = 0; begin < points.size() && !stop.Requested(); begin += kPointsPerQuestion) {
+    const size_t end = std::min(points.size(), begin + kPointsPerQuestion);
+    for (size_t i = begin; i < end; ++i) {
+      if (!IsFinite(points[i])) continue;
+      ++counts.num_finite;
+      counts.largest =
+          std::max({counts.largest, std::abs(points[i].x()), std::abs(points[i].y()), std::abs(points[i].z())});
+    }
   }
-  if (moments.num_finite == 0) return moments;
-  const double n = static_cast<double>(moments.num_finite);
-  const Eigen::Vector3d offset = Eigen::Vector3d(x, y, z) / n;
-  moments.mean = origin.cast<double>() + offset;
-  moments.covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-  moments.covariance = moments.covariance / n - offset * offset.transpose();
-  return moments;
+  return counts;
+}
+
+// How the finite ones of every `stride`-th point lie.
+enum class Spread { kNone, kLine, kArea };
+
+Spread MeasureSpread(const std::vector<Eigen::Vector3f>& points, size_t stride, const Stop& stop) {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // the first point: sums about it stay exact far from the sensor
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  double n = 0.0;
+  for (size_t i = 0; i < points.size(); i += stride) {
+    if (i % kPointsPerQuestion == 0 && stop.Requested()) break;
+    if (!IsFinite(points[i])) continue;
+    if (n == 0.0) origin = points[i].cast<double>();
+    const Eigen::Vector3d offset = points[i].cast<double>() - origin;
+    n += 1.0;
+    sum += offset;
+    squares.noalias() += offset * offset.transpose();
+  }
+  if (n == 0.0) return Spread::kNone;
+  const Eigen::Vector3d mean = sum / n;
+  const Eigen::Matrix3d covariance = squares / n - mean * mean.transpose();
+  const Eigen::Vector3d variances =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues();
+  // A line as float32 has a second variance of its rounding only.
+  const double rounding = 1e-12 * ((origin + mean).squaredNorm() + variances[2]);
+  if (variances[2] <= rounding) return Spread::kNone;
+  return variances[1] <= rounding ? Spread::kLine : Spread::kArea;
 }
 
 }  // namespace
@@ -62,24 +81,23 @@ absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits, const Stop
   if (scan.gravity.has_value() && (!scan.gravity->allFinite() || scan.gravity->norm() == 0.0)) {
     return absl::InvalidArgumentError("gravity vector is zero or not finite");
   }
-  const PointMoments moments = MeasurePoints(scan.points, stop);
+  const PointCounts counts = CountPoints(scan.points, stop);
   if (stop.Requested()) return absl::OkStatus();
-  if (moments.largest > limits.max_coordinate_m) {
+  if (counts.largest > limits.max_coordinate_m) {
     return absl::InvalidArgumentError(
         absl::StrFormat("scan has a coordinate beyond %g m; is it in metres?", limits.max_coordinate_m));
   }
-  if (moments.num_finite < limits.min_points) {
+  if (counts.num_finite < limits.min_points) {
     return absl::InvalidArgumentError(
-        absl::StrCat("scan has ", moments.num_finite, " finite points; at least ", limits.min_points, " are needed"));
+        absl::StrCat("scan has ", counts.num_finite, " finite points; at least ", limits.min_points, " are needed"));
   }
-  const Eigen::Vector3d& mean = moments.mean;
-  const Eigen::Vector3d variances =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments.covariance, Eigen::EigenvaluesOnly).eigenvalues();
-  // A line as float32 has a second variance of its rounding only.
-  const double rounding = 1e-12 * (mean.squaredNorm() + variances[2]);
-  if (variances[2] <= rounding) return absl::InvalidArgumentError("all points of the scan are equal");
-  if (variances[1] <= rounding) return absl::InvalidArgumentError("all points of the scan lie on one line");
-  return absl::OkStatus();
+  // Points that span an area do so whatever the others are; only a sample that does not calls for a look at all.
+  constexpr size_t kSampleSize = 4096;
+  Spread spread = MeasureSpread(scan.points, 1 + scan.points.size() / kSampleSize, stop);
+  if (spread != Spread::kArea) spread = MeasureSpread(scan.points, 1, stop);
+  if (stop.Requested() || spread == Spread::kArea) return absl::OkStatus();
+  if (spread == Spread::kNone) return absl::InvalidArgumentError("all points of the scan are equal");
+  return absl::InvalidArgumentError("all points of the scan lie on one line");
 }
 
 std::string ScanDigest(const Scan& scan) {

@@ -55,6 +55,22 @@ TEST(ScanTest, NamesWhatIsWrong) {
   EXPECT_EQ(ValidateScan(Grid(12), limits).message(), "scan has 144 points; at most 100 are allowed");
 }
 
+// Finite coordinates whose sum is not: they must be refused, not taken for missing returns.
+TEST(ScanTest, RefusesHugeCoordinatesWhoseSumOverflows) {
+  Scan scan = Grid(12);
+  scan.points[5].setConstant(3e38F);
+  EXPECT_EQ(MessageOf(scan), "scan has a coordinate beyond 100000 m; is it in metres?");
+}
+
+// A plane that a regular sample of its points would see as a line is still a plane.
+TEST(ScanTest, LooksAtAllPointsBeforeItCallsThemALine) {
+  Scan scan;
+  for (int i = 0; i < 20000; ++i) scan.points.emplace_back(static_cast<float>(i) * 0.01F, 0.0F, 0.0F);
+  for (int i = 1; i < 200; ++i)
+    scan.points[static_cast<size_t>(i * 7 + 1)].y() = 1.0F + 0.1F * static_cast<float>(i % 5);
+  EXPECT_TRUE(ValidateScan(scan).ok());
+}
+
 TEST(ScanTest, DigestChangesWithPointsAndGravity) {
   Scan scan = Grid(12);
   const std::string digest = ScanDigest(scan);
