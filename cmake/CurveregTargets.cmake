@@ -26,15 +26,20 @@ function(curvereg_add_library name)
   curvereg_configure(curvereg_${name})
 endfunction()
 
-# curvereg_add_test(core/scan [LABEL unit|integration|slow] [LIBRARIES curvereg::sim ...]):
+# curvereg_add_test(core/scan [LABEL unit|integration|slow] [TIMEOUT SECONDS] [SERIAL] [LIBRARIES curvereg::sim ...]):
 # builds tests/core/scan_test.cc into its own executable and registers each of its test cases with CTest.
 function(curvereg_add_test path)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "LIBRARIES" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  # SERIAL: measures time or memory, so no other test may run beside it.
+  set(serial FALSE)
+  if(ARG_SERIAL)
+    set(serial TRUE)
   endif()
   string(REPLACE "/" "_" name "${path}_test")
   add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}_test.cc")
@@ -46,7 +51,7 @@ function(curvereg_add_test path)
     ${name}
     TEST_PREFIX "${path}:"
     DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT}
+    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${serial}
                ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
 endfunction()
 

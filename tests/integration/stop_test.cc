@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kPromisedS = 0.05;
 // A machine busy with other work may hold any thread up; a loop that does not ask does so every time.
-constexpr int kAttempts = 3;
+constexpr int kAttempts = 6;
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
