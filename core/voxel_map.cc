@@ -152,7 +152,7 @@ MomentGrid FinestGrid(const std::vector<Eigen::Vector3f>& points, double cell_m,
                      grids[static_cast<size_t>(block)]);
   });
   MomentGrid total = std::move(grids.front());
-  for (size_t block = 1; block < num_blocks; ++block) {
+  for (size_t block = 1; block < num_blocks && !stop.Requested(); ++block) {
     const MomentGrid& grid = grids[block];
     for (size_t i = 0; i < grid.keys().size(); ++i) {
       AddMoments(grid.cells()[i], Eigen::Vector3d::Zero(), total.At(grid.keys()[i]));
@@ -246,6 +246,7 @@ std::vector<VoxelMap> BuildVoxelMaps(const std::vector<Eigen::Vector3f>& points,
                                      const Stop& stop) {
   std::vector<MomentGrid> grids;
   grids.push_back(FinestGrid(points, options.finest_cell_m, stop));
+  if (stop.Requested()) return std::vector<VoxelMap>(static_cast<size_t>(options.num_levels));
   for (int level = 1; level < options.num_levels; ++level) {
     grids.push_back(Coarsened(grids.back(), options.finest_cell_m * (1 << (level - 1))));
   }
