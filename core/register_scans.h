@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// START HERE. Two scans in, a rigid transform and its evidence out. core/README.md lists the stages in order; the method
-// `curvelet` itself is one screen: CurveletRegistration::Run in register_curvelet.cc.
+// START HERE. Two scans in, a rigid transform and its evidence out. core/README.md lists the stages in order; the
+// method `curvelet` itself is one screen: CurveletRegistration::Run in register_curvelet.cc.
 #ifndef CURVEREG_CORE_REGISTER_SCANS_H_
 #define CURVEREG_CORE_REGISTER_SCANS_H_
 
