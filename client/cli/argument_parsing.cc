@@ -100,7 +100,7 @@ absl::StatusOr<Eigen::Vector3d> ParseDirection(const std::string& text) {
   const std::optional<std::vector<double>> numbers = ParseNumbers(text);
   if (!numbers || numbers->size() != 3 ||
       std::all_of(numbers->begin(), numbers->end(), [](double v) { return v == 0.0; })) {
-    return absl::InvalidArgumentError(absl::StrCat(text, ": expected a direction X,Y,Z that is not zero"));
+    return absl::InvalidArgumentError(absl::StrCat(text, ": expected a direction of gravity X,Y,Z that is not zero"));
   }
   return Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]);
 }
@@ -108,7 +108,8 @@ absl::StatusOr<Eigen::Vector3d> ParseDirection(const std::string& text) {
 absl::StatusOr<Matrix6d> ParsePriorSigma(const std::string& text) {
   const std::optional<std::vector<double>> numbers = ParseNumbers(text);
   if (!numbers || numbers->size() != 2 || (*numbers)[0] <= 0.0 || (*numbers)[1] <= 0.0) {
-    return absl::InvalidArgumentError(absl::StrCat(text, ": expected ROTATION_RAD,TRANSLATION_M, both positive"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("--prior-sigma: ", text, ": expected ROTATION_RAD,TRANSLATION_M, both positive"));
   }
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant((*numbers)[0]), Eigen::Vector3d::Constant((*numbers)[1]);

@@ -178,8 +178,10 @@ Command AddRegisterCommand(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
   command
-      ->add_option("--out-cloud", arguments->out_cloud,
-                   "Write the source moved into the target's frame together with the target: .pcd or .ply")
+      ->add_option(
+          "--out-cloud", arguments->out_cloud,
+          "Write the source moved into the target's frame together with the target, if there is a pose, accepted "
+          "or not: .pcd, .ply, .bin, .xyz, .txt or .csv")
       ->type_name("FILE");
   command->add_option("--report", arguments->report, "Write result.json and report.html with pictures into this folder")
       ->type_name("DIR");

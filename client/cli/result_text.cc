@@ -37,8 +37,9 @@ std::string UncertaintyText(const RegistrationResult& result) {
   std::string text;
   if (result.has_covariance) {
     const Vector6d sigma = result.covariance.diagonal().cwiseSqrt();
-    absl::StrAppendFormat(&text, "sigma        rotation %.2g %.2g %.2g rad, translation %.2g %.2g %.2g m\n", sigma[0],
-                          sigma[1], sigma[2], sigma[3], sigma[4], sigma[5]);
+    absl::StrAppendFormat(
+        &text, "sigma        rotation %.2g %.2g %.2g rad, translation %.2g %.2g %.2g m (x y z, target frame)\n",
+        sigma[0], sigma[1], sigma[2], sigma[3], sigma[4], sigma[5]);
   }
   for (const DegenerateDirection& d : result.degenerate_directions) {
     const Vector6d& v = d.direction;
