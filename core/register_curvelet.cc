@@ -216,6 +216,12 @@ class CurveletRegistration {
     // A later rung that is no surer does not take the place of an earlier one.
     if (confidence <= confidence_) return false;
     confidence_ = confidence;
+    // Several hypotheses, or a guess that no match proposed, may have met in this pose: all their matches speak for it.
+    for (const Candidate& other : pool_) {
+      if (IsOtherPose(finalist, other)) continue;
+      finalist.evidence.num_inliers = std::max(finalist.evidence.num_inliers, other.evidence.num_inliers);
+      finalist.evidence.num_matches = std::max(finalist.evidence.num_matches, other.evidence.num_matches);
+    }
     finalist.evidence.runner_up_ratio = RunnerUpConfidence(finalist, finalists) / confidence;
     FillResult(finalist.T_target_source, finalist.evidence, result_);
     is_sure_ = SurfaceConsistency(finalist.evidence) > kSureConsistency;

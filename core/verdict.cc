@@ -123,7 +123,10 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
   reject_if(!consistent && surfaces_are_worse, Reason::kResidualTooHigh);
   reject_if(!overlaps, Reason::kOverlapTooLow);
   reject_if(!consistent && !surfaces_are_worse, Reason::kFreeSpaceViolated);
-  reject_if(!(evidence.image_correlation >= options.min_image_correlation), Reason::kNoConsensus);
+  const double appearance = evidence.image_correlation + 0.05 * std::min(evidence.num_inliers, 10);
+  const bool looks_alike =
+      evidence.image_correlation >= options.min_image_correlation && appearance >= options.min_appearance;
+  reject_if(!looks_alike, Reason::kNoConsensus);
   reject_if(!(evidence.runner_up_ratio <= options.max_runner_up_ratio), Reason::kAmbiguous);
   reject_if(!degenerate.empty(), Reason::kDegenerateDirection);
   verdict.accepted = verdict.reasons.empty();

@@ -55,6 +55,9 @@ struct VerdictOptions {
   double min_consistency = 0.15;        // SurfaceConsistency; wrong poses of look-alike places reach 0.12
   double min_overlap = 0.15;            // of either scan
   double min_image_correlation = 0.35;  // unrelated ground correlates up to 0.3
+  // Of image correlation + 0.05 per agreeing match, ten at most: two nearly flat places can fit and correlate up to
+  // 0.57 by chance, but then hardly any match agrees.
+  double min_appearance = 0.75;
   double max_runner_up_ratio = 0.8;
   // By how many standard deviations of noise, as if elements were independent, a direction's information must exceed
   // it. They are not (each pair counts both ways, coarse cells hold the points of fine ones): on perfect planes 2 to 4
