@@ -119,6 +119,8 @@ absl::Status WriteCloudFile(const std::string& path, const Scan& scan, CloudEnco
   return file->Commit();
 }
 
+bool HasWritableCloudEnding(const std::string& path) { return HasCloudEnding(path) && EndingOf(path) != "las"; }
+
 bool HasCloudEnding(const std::string& path) {
   constexpr std::array<std::string_view, 7> kEndings = {"pcd", "ply", "bin", "xyz", "csv", "txt", "las"};
   return std::find(kEndings.begin(), kEndings.end(), EndingOf(path)) != kEndings.end();

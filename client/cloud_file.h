@@ -52,6 +52,9 @@ absl::Status WriteCloudFile(const std::string& path, const Scan& scan, CloudEnco
 // True when the name's ending, in any case, is one that ReadCloudFile reads: pcd, ply, bin, xyz, csv, txt, las.
 bool HasCloudEnding(const std::string& path);
 
+// True when the name's ending is one that WriteCloudFile writes.
+bool HasWritableCloudEnding(const std::string& path);
+
 }  // namespace curvereg
 
 #endif  // CURVEREG_CLIENT_CLOUD_FILE_H_

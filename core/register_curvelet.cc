@@ -92,7 +92,7 @@ class CurveletRegistration {
     source_ = *cleaned[0];
     target_ = *cleaned[1];
     pool_.clear();
-    timer_.Lap("preparation");
+    timer_.Lap("cleaning");
     return absl::OkStatus();
   }
 

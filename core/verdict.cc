@@ -116,7 +116,8 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
   // Written so that what is not a number rejects.
   const bool overlaps =
       evidence.check.overlap_source >= options.min_overlap && evidence.check.overlap_target >= options.min_overlap;
-  reject_if(evidence.fit.num_pairs < 6, Reason::kTooFewPoints);
+  constexpr int kFewPairs = 6;
+  reject_if(evidence.fit.num_pairs < kFewPairs && evidence.fit.num_elements < 2 * kFewPairs, Reason::kTooFewPoints);
   // Consistency is a product; the reason named is the factor that falls short most.
   const bool consistent = SurfaceConsistency(evidence) >= options.min_consistency;
   const bool surfaces_are_worse = !(SurfaceFactor(evidence) >= FreeSpaceFactor(evidence));
@@ -149,10 +150,11 @@ void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evide
   measures.free_space_agreement = evidence.check.free_space_agreement;
   measures.image_correlation = evidence.image_correlation;
   measures.inlier_fraction = evidence.fit.inlier_fraction;
+  measures.runner_up_ratio = evidence.runner_up_ratio;
+  if (!result.has_covariance) return;  // without common surface there is no residual
   measures.residual_rmse_m = evidence.fit.residual_rms_m;
   measures.residual_median_m = evidence.fit.residual_median_m;
   measures.residual_p90_m = evidence.fit.residual_p90_m;
-  measures.runner_up_ratio = evidence.runner_up_ratio;
 }
 
 }  // namespace curvereg

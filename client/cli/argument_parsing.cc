@@ -3,6 +3,7 @@
 #include "client/cli/argument_parsing.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -133,6 +134,20 @@ absl::StatusOr<std::vector<Method>> ParseMethods(const std::string& names) {
     methods.push_back(*method);
   }
   return methods;
+}
+
+std::string CheckPositive(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value > 0.0) return {};
+  return absl::StrCat("expected a number above 0, got '", text, "'");
+}
+
+std::string CheckNotNegative(const std::string& text) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size()) return {};
+  return absl::StrCat("expected a whole number, 0 or above, got '", text, "'");
 }
 
 std::string MethodNames() {

@@ -107,12 +107,13 @@ Command AddEvaluateCommand(CLI::App& app) {
                    "With pairs.txt: leave out pairs of a known overlap below this")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "The same seed gives the same results")->capture_default_str();
+  command->add_option("--seed", arguments->seed, "The same seed gives the same results")
+      ->check(CheckNotNegative)
+      ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")
-      ->check(CLI::PositiveNumber);
+  command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")->check(CheckPositive);
   command->add_option("--out", arguments->out, "Folder for report.html, report.json, figures, trajectories and maps")
       ->required()
       ->type_name("DIR");

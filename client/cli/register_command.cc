@@ -85,8 +85,9 @@ absl::Status CheckOutputs(const Arguments& arguments) {
     if (IsSameFile(arguments.out_cloud, arguments.source) || IsSameFile(arguments.out_cloud, arguments.target)) {
       return absl::InvalidArgumentError(absl::StrCat(arguments.out_cloud, ": is an input of this command"));
     }
-    if (!HasCloudEnding(arguments.out_cloud)) {
-      return absl::InvalidArgumentError(absl::StrCat(arguments.out_cloud, ": expected an ending such as .pcd or .ply"));
+    if (!HasWritableCloudEnding(arguments.out_cloud)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(arguments.out_cloud, ": cannot be written; expected .pcd, .ply, .bin, .xyz, .csv or .txt"));
     }
   }
   return arguments.report.empty() ? absl::OkStatus() : PrepareOutputFolder(arguments.report);
@@ -146,10 +147,11 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
   const absl::StatusOr<RegistrationResult> result = RegisterScans(*source, *target, *options);
   if (!result.ok()) return ReportError(result.status());
-  const absl::Status written = WriteOutputs(arguments, *source, *target, *result);
-  if (!written.ok()) return ReportError(written);
+  // First what cannot be had again without the work: a full disk must not take it along.
   const ExitCode printed = PrintResult(ResultLine(arguments, *result));
   if (printed != ExitCode::kDone) return printed;
+  const absl::Status written = WriteOutputs(arguments, *source, *target, *result);
+  if (!written.ok()) return ReportError(written);
   return result->verdict.accepted ? ExitCode::kDone : ExitCode::kRejected;
 }
 
@@ -170,12 +172,14 @@ Command AddRegisterCommand(CLI::App& app) {
   command->add_option("--gravity-source", arguments->gravity_source,
                       "Direction of gravity (down) in the source's frame: X,Y,Z");
   command->add_option("--gravity-target", arguments->gravity_target, "The same in the target's frame");
-  command->add_option("--seed", arguments->seed, "The same seed gives the same result")->capture_default_str();
+  command->add_option("--seed", arguments->seed, "The same seed gives the same result")
+      ->check(CheckNotNegative)
+      ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_option("--time-budget", arguments->time_budget_s, "Seconds; then the best pose so far, if any")
-      ->check(CLI::PositiveNumber);
+      ->check(CheckPositive);
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
   command
       ->add_option(

@@ -99,9 +99,10 @@ INSTANTIATE_TEST_SUITE_P(Methods, DeterminismTest, ::testing::Values(Method::kCu
 
 // A seed that changes nothing would make the tests above too easy for the methods that draw random samples.
 TEST(SeedTest, ThePapersAnswerDependsOnTheSeed) {
-  const ScanPairWithTruth pair = PairOf("mars-yard-sim", 3, 2);
+  // Without a pose that most samples lead to, chance decides.
+  const ScanPairWithTruth pair = PairOf("strangers", 4, 0);
   std::set<std::string> poses;
-  for (const uint64_t seed : {1U, 2U, 3U, 4U}) {
+  for (const uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U}) {
     RegistrationOptions options;
     options.method = Method::kPaper;
     options.seed = seed;
