@@ -4,7 +4,9 @@
 
 #include <pthread.h>
 #include <signal.h>
+
 #include <unistd.h>
+#include <chrono>
 
 namespace curvereg::cli {
 namespace {
@@ -19,11 +21,20 @@ sigset_t WatchedSignals() {
 }
 
 void Watch(std::stop_token finished, std::stop_source interrupted) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kOneRequest = std::chrono::milliseconds(500);  // timeout(1) and shells deliver one request twice
   const sigset_t signals = WatchedSignals();
+  Clock::time_point first_request;
   int signal = 0;
   while (sigwait(&signals, &signal) == 0 && !finished.stop_requested()) {
     if (signal == SIGUSR1) continue;
-    if (!interrupted.request_stop()) _exit(1);  // already requested: the user does not want to wait
+    if (interrupted.request_stop()) {
+      first_request = Clock::now();
+    } else if (Clock::now() - first_request > kOneRequest) {
+      constexpr char kMessage[] = "curvereg: interrupted again, leaving at once\n";
+      static_cast<void>(!write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1));
+      _exit(1);  // the user does not want to wait
+    }
   }
 }
 
