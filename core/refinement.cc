@@ -252,7 +252,6 @@ double SurfaceFit::NoiseVarianceAlong(const Vector6d& direction) const {
 
 SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector<VoxelMap>& target, LevelRange levels,
                           const RigidTransform& T_target_source, const RefinementOptions& options, const Stop& stop) {
-  constexpr size_t kMinPairs = 6;
   SurfaceFit fit;
   fit.T_target_source = T_target_source;
   std::vector<PairFinder> finders;
@@ -265,7 +264,7 @@ SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector
     pairs.clear();
     for (const PairFinder& finder : finders) finder.Find(fit.T_target_source, pairs);
     fit.num_pairs = static_cast<int>(pairs.size());
-    return pairs.size() >= kMinPairs;
+    return fit.num_pairs >= kMinElementPairs;
   };
   double kernel_scale = 1.0;
   for (fit.iterations = 0; fit.iterations < options.max_iterations && !fit.converged; ++fit.iterations) {

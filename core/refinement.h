@@ -27,6 +27,9 @@ struct RefinementOptions {
   bool measure_information = true;  // false saves time where only pose and residuals are wanted
 };
 
+// Fewer element pairs cannot determine the six unknowns of a pose.
+inline constexpr int kMinElementPairs = 6;
+
 // How well the surfaces lie on each other. Directions are tangent vectors as in rigid_transform.h, target frame.
 struct SurfaceFit {
   RigidTransform T_target_source = RigidTransform::Identity();
@@ -58,9 +61,9 @@ struct LevelRange {
 };
 
 // Refines from `T_target_source` on all levels of the range together: fine cells weigh most where both scans are dense,
-// coarse ones carry what is thin. Fewer than 6 pairs: num_pairs says so and the pose stays. Ends early at a stop
-// request (the pose so far). Deterministic; uses the threads of the innermost WithThreadLimit.
-// Precondition: both vectors hold the levels of the range, with equal cells.
+// coarse ones carry what is thin. Fewer than kMinElementPairs: num_pairs says so and the pose stays. Ends early at a
+// stop request (the pose so far). Deterministic; uses the threads of the innermost WithThreadLimit. Precondition: both
+// vectors hold the levels of the range, with equal cells.
 SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector<VoxelMap>& target, LevelRange levels,
                           const RigidTransform& T_target_source, const RefinementOptions& options, const Stop& stop);
 

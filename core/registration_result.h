@@ -60,7 +60,8 @@ struct Evidence {
   double residual_rmse_m = -1.0;       // of surface distances after the last iteration [m]
   double residual_median_m = -1.0;     // of |surface distance| [m]
   double residual_p90_m = -1.0;
-  double runner_up_ratio = -1.0;  // score of the best different pose over that of the chosen one, in [0, 1]
+  // Confidence of the surest different pose over that of this one, >= 0; above 1 when the other looked surer.
+  double runner_up_ratio = -1.0;
 };
 
 struct StageTime {

@@ -59,7 +59,7 @@ ViewCorrelation CorrelateViews(const ViewFeatures& source, const ViewFeatures& t
 
 namespace {
 
-// The exponents were fitted by conditional logit on 4-degree hypotheses of real and simulated pairs (docs/method.md):
+// The exponents were fitted by conditional logit on hypotheses of real and simulated pairs (docs/method.md):
 // contradicted free space and surface elements that do not fit tell most, the correlation of the views least.
 double FreeSpaceFactor(const PoseEvidence& evidence) { return std::pow(evidence.check.free_space_agreement, 20); }
 double SurfaceFactor(const PoseEvidence& evidence) { return std::pow(evidence.fit.inlier_fraction, 10); }
@@ -116,8 +116,8 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
   // Written so that what is not a number rejects.
   const bool overlaps =
       evidence.check.overlap_source >= options.min_overlap && evidence.check.overlap_target >= options.min_overlap;
-  constexpr int kFewPairs = 6;
-  reject_if(evidence.fit.num_pairs < kFewPairs && evidence.fit.num_elements < 2 * kFewPairs, Reason::kTooFewPoints);
+  reject_if(evidence.fit.num_pairs < kMinElementPairs && evidence.fit.num_elements < 2 * kMinElementPairs,
+            Reason::kTooFewPoints);
   // Consistency is a product; the reason named is the factor that falls short most.
   const bool consistent = SurfaceConsistency(evidence) >= options.min_consistency;
   const bool surfaces_are_worse = !(SurfaceFactor(evidence) >= FreeSpaceFactor(evidence));
@@ -141,7 +141,7 @@ void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evide
   result.degenerate_directions = FindDegenerateDirections(evidence.fit, options.min_information_z);
   result.verdict = DecideVerdict(evidence, result.degenerate_directions, options);
   result.covariance = PoseCovariance(evidence.fit);
-  result.has_covariance = evidence.fit.num_pairs >= 6;
+  result.has_covariance = evidence.fit.num_pairs >= kMinElementPairs;
   Evidence& measures = result.evidence;
   measures.num_inliers = evidence.num_inliers;
   measures.num_matches = evidence.num_matches;

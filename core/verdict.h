@@ -39,7 +39,7 @@ struct PoseEvidence {
   double image_correlation = 0.0;  // the best of the views computed, [-1, 1]
   int num_matches = 0;             // of the view that proposed the pose
   int num_inliers = 0;
-  double runner_up_ratio = 0.0;  // score of the best different pose over this one's
+  double runner_up_ratio = 0.0;  // confidence of the surest different pose over this one's
 };
 
 // Ranks poses of one pair of scans; larger is better, no unit.
