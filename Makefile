@@ -11,7 +11,7 @@ help: ## This list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 10
 
 deps: ## Install the Debian packages that are missing
-	@scripts/install_dependencies.sh build baselines plots
+	@scripts/install_dependencies.sh build server baselines plots
 
 build: ## Build everything; the executables are in build/release/bin
 	cmake --preset release

@@ -12,9 +12,9 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "client/cloud_file.h"
-#include "client/file_bytes.h"
-#include "client/trajectory_file.h"
+#include "client/files/cloud_file.h"
+#include "client/files/file_bytes.h"
+#include "client/files/trajectory_file.h"
 #include "eval/dataset_text.h"
 
 namespace curvereg {

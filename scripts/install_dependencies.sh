@@ -5,7 +5,7 @@
 # Installs the Debian 12 packages that are missing, and nothing else. Asks nothing; needs root or sudo only when
 # something is missing.
 #
-# usage: install_dependencies.sh [GROUP...]      default: build baselines plots
+# usage: install_dependencies.sh [GROUP...]      default: build server baselines plots
 set -euo pipefail
 
 # ---- what is needed -------------------------------------------------------------------------------------------------
@@ -16,6 +16,11 @@ declare -A PACKAGES=(
     libeigen3-dev libfftw3-dev libflann-dev liblz4-dev libabsl-dev libtbb-dev libxxhash-dev
     libpng-dev libcli11-dev nlohmann-json3-dev
     libgtest-dev libgmock-dev libbenchmark-dev"
+  # the service and its client library (-DCURVEREG_BUILD_SERVER=OFF does without), and what their tests call
+  [server]="
+    libgrpc++-dev libgrpc-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler grpc-proto
+    libssl-dev libsqlite3-dev libzstd-dev libisal-dev libspdlog-dev prometheus-cpp-dev libtomlplusplus-dev
+    openssl prometheus python3 python3-grpcio python3-protobuf"
   # the paper's rivals (-DCURVEREG_BUILD_BASELINES=OFF does without; by far the largest download)
   [baselines]="libpcl-dev"
   # the figures of the evaluation report
@@ -28,7 +33,7 @@ declare -A PACKAGES=(
 # ---------------------------------------------------------------------------------------------------------------------
 
 groups=("$@")
-[ ${#groups[@]} -gt 0 ] || groups=(build baselines plots)
+[ ${#groups[@]} -gt 0 ] || groups=(build server baselines plots)
 
 missing=()
 for group in "${groups[@]}"; do

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/progress_bar.h"
-#include "client/cloud_file.h"
+#include "client/files/cloud_file.h"
 
 namespace curvereg::cli {
 

@@ -5,7 +5,7 @@
 #ifndef CURVEREG_CLIENT_CLI_CLOUD_PICTURES_H_
 #define CURVEREG_CLIENT_CLI_CLOUD_PICTURES_H_
 
-#include "client/png_file.h"
+#include "client/files/png_file.h"
 #include "core/image.h"
 #include "core/rigid_transform.h"
 #include "core/scan.h"

@@ -11,7 +11,7 @@
 #include "client/cli/argument_parsing.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/result_text.h"
-#include "client/cloud_file.h"
+#include "client/files/cloud_file.h"
 #include "core/register_scans.h"
 #include "eval/evaluate.h"
 #include "eval/report.h"

@@ -14,7 +14,7 @@
 #include "client/cli/cloud_arguments.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/scan_pictures.h"
-#include "client/result_json.h"
+#include "client/files/result_json.h"
 #include "core/parallel.h"
 
 namespace curvereg::cli {

@@ -15,8 +15,8 @@
 #include "client/cli/cloud_arguments.h"
 #include "client/cli/register_report.h"
 #include "client/cli/result_text.h"
-#include "client/cloud_file.h"
-#include "client/result_json.h"
+#include "client/files/cloud_file.h"
+#include "client/files/result_json.h"
 #include "core/register_scans.h"
 
 namespace curvereg::cli {

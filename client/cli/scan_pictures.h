@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/png_file.h"
+#include "client/files/png_file.h"
 #include "core/scan.h"
 
 namespace curvereg::cli {

@@ -9,9 +9,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/atomic_file.h"
-#include "client/cloud_file.h"
-#include "client/trajectory_file.h"
+#include "client/files/atomic_file.h"
+#include "client/files/cloud_file.h"
+#include "client/files/trajectory_file.h"
 #include "core/parallel.h"
 
 namespace curvereg::cli {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/png_file.h"
+#include "client/files/png_file.h"
 #include "core/image.h"
 #include "core/keypoints.h"
 

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/trajectory_file.h"
+#include "client/files/trajectory_file.h"
 #include "tests/testing/test_data.h"
 
 namespace curvereg {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cloud_file.h"
+#include "client/files/cloud_file.h"
 #include "eval/dataset.h"
 #include "tests/testing/evaluation.h"
 #include "tests/testing/matchers.h"

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <string>
 
-#include "client/cloud_file.h"
-#include "client/trajectory_file.h"
+#include "client/files/cloud_file.h"
+#include "client/files/trajectory_file.h"
 #include "tests/testing/test_data.h"
 
 namespace curvereg::cli {

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What every call goes through: authorisation, request id, fairness key, stop token, metrics and log line. A handler
+// begins with a Call and ends with its Finish.
+#ifndef CURVEREG_SERVER_CALL_H_
+#define CURVEREG_SERVER_CALL_H_
+
+#include <grpcpp/server_context.h>
+
+#include <atomic>
+#include <chrono>
+#include <stop_token>
+#include <string>
+
+#include "absl/status/status.h"
+#include "core/stop.h"
+#include "server/access.h"
+#include "server/metrics.h"
+
+namespace curvereg::server {
+
+// What calls share. Outlives them.
+struct CallEnvironment {
+  const Access* access = nullptr;
+  Metrics* metrics = nullptr;
+  const std::atomic<bool>* serving = nullptr;  // false: calls are refused with NOT_SERVING
+};
+
+struct MethodTraits {
+  const char* service;  // "curvereg.v1.ScanService"
+  const char* method;   // "GetScan"
+  Scope scope;
+};
+
+class Call {
+ public:
+  // Admits the call or keeps the error for `admitted()`. Echoes the request id as initial metadata x-request-id: the
+  // caller's, when it is 1 to 64 printable characters, else a random one.
+  Call(const CallEnvironment& environment, const MethodTraits& traits, grpc::CallbackServerContext& context);
+
+  const absl::Status& admitted() const { return admitted_; }  // UNAUTHENTICATED, SCOPE_MISSING, NOT_SERVING
+  const std::string& client() const { return client_; }       // token name, TLS identity, else address and port
+  const std::string& request_id() const { return request_id_; }
+
+  // From OnCancel. The deadline of the call is in the Stop as well.
+  void Cancel() { cancellation_.request_stop(); }
+  Stop stop() const { return {cancellation_.get_token(), deadline_}; }
+
+  void CountReceived();
+  void CountSent();
+
+  // Once, at the end: counts, logs, adds grpc-retry-pushback-ms to errors with a RetryInfo, maps the status.
+  grpc::Status Finish(const absl::Status& status);
+
+ private:
+  const CallEnvironment& environment_;
+  const MethodTraits traits_;
+  grpc::CallbackServerContext& context_;
+  std::chrono::steady_clock::time_point started_;
+  std::optional<std::chrono::steady_clock::time_point> deadline_;
+  std::stop_source cancellation_;
+  std::string client_;
+  std::string request_id_;
+  absl::Status admitted_;
+};
+
+}  // namespace curvereg::server
+
+#endif  // CURVEREG_SERVER_CALL_H_
