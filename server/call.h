@@ -8,23 +8,25 @@
 
 #include <grpcpp/server_context.h>
 
-#include <atomic>
 #include <chrono>
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "absl/status/status.h"
 #include "core/stop.h"
 #include "server/access.h"
+#include "server/logging.h"
 #include "server/metrics.h"
 
 namespace curvereg::server {
 
-// What calls share. Outlives them.
+// What calls share. All outlives them.
 struct CallEnvironment {
   const Access* access = nullptr;
   Metrics* metrics = nullptr;
-  const std::atomic<bool>* serving = nullptr;  // false: calls are refused with NOT_SERVING
+  Logger* logger = nullptr;  // null: no lines
+  std::stop_token draining;  // requested: new calls are refused, and idle streams end, with NOT_SERVING
 };
 
 struct MethodTraits {
@@ -54,7 +56,7 @@ class Call {
   grpc::Status Finish(const absl::Status& status);
 
  private:
-  const CallEnvironment& environment_;
+  const CallEnvironment environment_;
   const MethodTraits traits_;
   grpc::CallbackServerContext& context_;
   std::chrono::steady_clock::time_point started_;
