@@ -44,6 +44,7 @@ function(curvereg_add_test path)
   string(REPLACE "/" "_" name "${path}_test")
   add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}_test.cc")
   curvereg_configure(${name})
+  target_compile_options(${name} PRIVATE -pthread) # as the precompiled header has it
   target_link_libraries(${name} PRIVATE curvereg::core curvereg_testing GTest::gmock GTest::gtest_main ${ARG_LIBRARIES})
   target_precompile_headers(${name} REUSE_FROM curvereg_test_pch)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
