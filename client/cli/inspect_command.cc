@@ -13,9 +13,10 @@
 #include "client/cli/argument_parsing.h"
 #include "client/cli/cloud_arguments.h"
 #include "client/cli/progress_bar.h"
-#include "client/cli/scan_pictures.h"
+#include "client/files/png_file.h"
 #include "client/files/result_json.h"
 #include "core/parallel.h"
+#include "render/scan_pictures.h"
 
 namespace curvereg::cli {
 namespace {
@@ -49,7 +50,7 @@ absl::StatusOr<ScanPictures> MakePictures(const Arguments& arguments, const CliC
     scan->gravity = *gravity;
   }
   absl::StatusOr<ScanPictures> pictures = absl::UnknownError("not computed");
-  WithThreadLimit(arguments.threads, [&] { pictures = DrawScan(*scan, context.interrupted); });
+  WithThreadLimit(arguments.threads, [&] { pictures = DrawScan(*scan, {}, Stop{context.interrupted, std::nullopt}); });
   return pictures;
 }
 
@@ -57,7 +58,7 @@ absl::Status WritePictures(const ScanPictures& pictures, const std::string& fold
   ProgressBar bar("writing pictures");
   for (std::size_t i = 0; i < pictures.pictures.size(); ++i) {
     const NamedPicture& named = pictures.pictures[i];
-    const absl::Status status = WritePngFile(absl::StrCat(folder, "/", named.name), named.picture);
+    const absl::Status status = WritePngFile(absl::StrCat(folder, "/", named.name, ".png"), named.picture);
     if (!status.ok()) return status;
     bar.Update(static_cast<double>(i + 1) / static_cast<double>(pictures.pictures.size()), named.name);
   }
@@ -73,8 +74,8 @@ std::string ResultLine(const Arguments& arguments, const ScanPictures& pictures)
     keypoints[view] = count;
   }
   for (const NamedPicture& named : pictures.pictures) {
-    absl::StrAppend(&text, "picture      ", arguments.out, "/", named.name, "\n");
-    files.push_back(named.name);
+    absl::StrAppend(&text, "picture      ", arguments.out, "/", named.name, ".png\n");
+    files.push_back(absl::StrCat(named.name, ".png"));
   }
   if (!arguments.json) return text;
   return JsonText({{"scan", arguments.scan},

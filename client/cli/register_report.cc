@@ -7,11 +7,11 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "client/files/atomic_file.h"
-#include "client/cli/cloud_pictures.h"
 #include "client/cli/result_text.h"
-#include "client/files/png_file.h"
+#include "client/files/atomic_file.h"
 #include "client/files/result_json.h"
+#include "render/cloud_pictures.h"
+#include "render/png.h"
 
 namespace curvereg::cli {
 namespace {

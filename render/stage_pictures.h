@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pictures of the pipeline's images, for `inspect`. Each picture has `zoom` x `zoom` pixels per image pixel, zoom >= 1.
-#ifndef CURVEREG_CLIENT_CLI_STAGE_PICTURES_H_
-#define CURVEREG_CLIENT_CLI_STAGE_PICTURES_H_
+#ifndef CURVEREG_RENDER_STAGE_PICTURES_H_
+#define CURVEREG_RENDER_STAGE_PICTURES_H_
 
 #include <cstdint>
 #include <vector>
 
-#include "client/files/png_file.h"
 #include "core/image.h"
 #include "core/keypoints.h"
+#include "render/png.h"
 
-namespace curvereg::cli {
+namespace curvereg {
 
 // Values in HeightColour from the 2nd to the 98th percentile of the valid ones; invalid pixels are grey.
 // Precondition: images of one size.
@@ -29,6 +29,6 @@ Image<Rgb> KeypointPicture(const Image<float>& values, const std::vector<Keypoin
 // The picture upside down: bird's-eye views count rows with y, pictures downwards.
 Image<Rgb> FlippedRows(const Image<Rgb>& picture);
 
-}  // namespace curvereg::cli
+}  // namespace curvereg
 
-#endif  // CURVEREG_CLIENT_CLI_STAGE_PICTURES_H_
+#endif  // CURVEREG_RENDER_STAGE_PICTURES_H_

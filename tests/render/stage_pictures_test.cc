@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/stage_pictures.h"
+#include "render/stage_pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace curvereg::cli {
+namespace curvereg {
 namespace {
 
 TEST(ValuePicture, InvalidPixelsAreGreyAndValuesSpanTheColours) {
@@ -82,4 +82,4 @@ TEST(FlippedRows, TwiceIsNothing) {
 }
 
 }  // namespace
-}  // namespace curvereg::cli
+}  // namespace curvereg

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/stage_pictures.h"
+#include "render/stage_pictures.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace curvereg::cli {
+namespace curvereg {
 namespace {
 
 constexpr Rgb kInvalid = {128, 128, 128};
@@ -88,4 +88,4 @@ Image<Rgb> FlippedRows(const Image<Rgb>& picture) {
   return flipped;
 }
 
-}  // namespace curvereg::cli
+}  // namespace curvereg

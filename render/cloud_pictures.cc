@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/cloud_pictures.h"
+#include "render/cloud_pictures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace curvereg::cli {
+namespace curvereg {
 namespace {
 
 constexpr double kLongerSidePx = 800.0;
@@ -80,4 +80,4 @@ Image<Rgb> OverlayPicture(const Scan& source, const Scan& target, const RigidTra
   return picture;
 }
 
-}  // namespace curvereg::cli
+}  // namespace curvereg

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The log-coefficient display [paper, section 3.1]: all curvelet coefficients of an image in one picture.
-#ifndef CURVEREG_CLIENT_CLI_COEFFICIENT_PICTURE_H_
-#define CURVEREG_CLIENT_CLI_COEFFICIENT_PICTURE_H_
+#ifndef CURVEREG_RENDER_COEFFICIENT_PICTURE_H_
+#define CURVEREG_RENDER_COEFFICIENT_PICTURE_H_
 
 #include <cstdint>
 
 #include "core/curvelet_coefficients.h"
 #include "core/image.h"
 
-namespace curvereg::cli {
+namespace curvereg {
 
 // The picture, `size_px` squared, is the frequency plane: low frequencies in the middle, each scale a square corona
 // twice the size of the one below it, cut into its wedges. A wedge shows its array of coefficients the right way up, as
@@ -19,6 +19,6 @@ namespace curvereg::cli {
 // scale of one array but the coarsest (wavelets) is shown as a whole behind the scales below it.
 Image<uint8_t> CoefficientPicture(const ComplexCurvelets& curvelets, int size_px);
 
-}  // namespace curvereg::cli
+}  // namespace curvereg
 
-#endif  // CURVEREG_CLIENT_CLI_COEFFICIENT_PICTURE_H_
+#endif  // CURVEREG_RENDER_COEFFICIENT_PICTURE_H_

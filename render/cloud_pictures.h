@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pictures of two clouds laid over each other.
-#ifndef CURVEREG_CLIENT_CLI_CLOUD_PICTURES_H_
-#define CURVEREG_CLIENT_CLI_CLOUD_PICTURES_H_
+#ifndef CURVEREG_RENDER_CLOUD_PICTURES_H_
+#define CURVEREG_RENDER_CLOUD_PICTURES_H_
 
-#include "client/files/png_file.h"
 #include "core/image.h"
 #include "core/rigid_transform.h"
 #include "core/scan.h"
+#include "render/png.h"
 
-namespace curvereg::cli {
+namespace curvereg {
 
 enum class Projection {
   kFromAbove,   // x to the right, y upwards
@@ -23,6 +23,6 @@ enum class Projection {
 Image<Rgb> OverlayPicture(const Scan& source, const Scan& target, const RigidTransform& T_target_source,
                           Projection projection);
 
-}  // namespace curvereg::cli
+}  // namespace curvereg
 
-#endif  // CURVEREG_CLIENT_CLI_CLOUD_PICTURES_H_
+#endif  // CURVEREG_RENDER_CLOUD_PICTURES_H_

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/coefficient_picture.h"
+#include "render/coefficient_picture.h"
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 #include "core/curvelet_transform.h"
 
-namespace curvereg::cli {
+namespace curvereg {
 namespace {
 
 constexpr int kSize = 128;
@@ -87,4 +87,4 @@ TEST(CoefficientPicture, WaveletsAndNothingAreNoFault) {
 }
 
 }  // namespace
-}  // namespace curvereg::cli
+}  // namespace curvereg

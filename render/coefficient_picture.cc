@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/coefficient_picture.h"
+#include "render/coefficient_picture.h"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
-namespace curvereg::cli {
+namespace curvereg {
 namespace {
 
 using Array = Image<std::complex<double>>;
@@ -96,4 +96,4 @@ Image<uint8_t> CoefficientPicture(const ComplexCurvelets& curvelets, int size_px
   return picture;
 }
 
-}  // namespace curvereg::cli
+}  // namespace curvereg

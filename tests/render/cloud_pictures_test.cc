@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/cloud_pictures.h"
+#include "render/cloud_pictures.h"
 
 #include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-namespace curvereg::cli {
+namespace curvereg {
 namespace {
 
 // A grid of points over 20 m by 10 m.
@@ -53,4 +53,4 @@ TEST(OverlayPicture, EmptyAndUnusableScansGiveAPicture) {
 }
 
 }  // namespace
-}  // namespace curvereg::cli
+}  // namespace curvereg
