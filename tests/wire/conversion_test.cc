@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "wire/conversion.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "tests/testing/matchers.h"
+#include "tests/wire/conversion_samples.h"
+#include "wire/duration.h"
+
+namespace curvereg::wire {
+namespace {
+
+using ::curvereg::testing::IsNear;
+using ::curvereg::testing::IsOk;
+
+RegistrationOptions FullOptions() {
+  RegistrationOptions options;
+  options.method = Method::kIcp;
+  options.prior = Prior{SomePose(), SomeCovariance()};
+  options.seed = 0xFEDCBA9876543210ULL;
+  options.num_threads = 3;
+  options.time_budget_s = 1.75;
+  return options;
+}
+
+TEST(ConversionTest, TransformsComeBackAtAnyAttitude) {
+  for (int i = 0; i < 200; ++i) {
+    RigidTransform T = RigidTransform::Identity();
+    T.linear() = RotationFromVector({0.1 * i, 3.1 - 0.07 * i, std::sin(1.0 * i)});
+    T.translation() << i, -1e5 * i, 1e-7 * i;
+    const v1::RigidTransform message = ToWire(T);
+    EXPECT_GE(message.rotation().w(), 0.0);
+    const auto back = FromWire(message);
+    ASSERT_THAT(back, IsOk());
+    EXPECT_THAT(*back, IsNear(T, 0.0, 1e-14));
+    EXPECT_EQ(back->translation(), T.translation());
+  }
+}
+
+TEST(ConversionTest, QuaternionsNearUnitLengthAreNormalised) {
+  v1::RigidTransform message = ToWire(SomePose());
+  for (auto* rotation = message.mutable_rotation(); const double scale : {0.991, 1.009}) {
+    const v1::Quaternion unit = ToWire(SomePose()).rotation();
+    rotation->set_x(scale * unit.x());
+    rotation->set_y(scale * unit.y());
+    rotation->set_z(scale * unit.z());
+    rotation->set_w(scale * unit.w());
+    const auto back = FromWire(message);
+    ASSERT_THAT(back, IsOk());
+    EXPECT_THAT(*back, IsNear(SomePose(), 0.0, 1e-12));
+  }
+}
+
+TEST(ConversionTest, UnusableTransformsNameTheField) {
+  const auto field_after = [](const std::function<void(v1::RigidTransform&)>& change) {
+    v1::RigidTransform message = ToWire(SomePose());
+    change(message);
+    return FieldOf(FromWire(message).status());
+  };
+  EXPECT_EQ(field_after([](auto& T) { T.clear_translation(); }), "translation");
+  EXPECT_EQ(field_after([](auto& T) { T.clear_rotation(); }), "rotation");
+  EXPECT_EQ(field_after([](auto& T) { T.mutable_translation()->set_y(kNan); }), "translation");
+  EXPECT_EQ(field_after([](auto& T) { T.mutable_translation()->set_z(-kInfinity); }), "translation");
+  EXPECT_EQ(field_after([](auto& T) { T.mutable_rotation()->set_w(kNan); }), "rotation");
+  EXPECT_EQ(field_after([](auto& T) { T.mutable_rotation()->set_x(1.5); }), "rotation");
+  EXPECT_EQ(field_after([](auto& T) { *T.mutable_rotation() = v1::Quaternion(); }), "rotation");
+}
+
+TEST(ConversionTest, CovariancesComeBackToTheBit) {
+  const Matrix6d covariance = SomeCovariance();
+  const v1::PoseCovariance message = ToWire(covariance);
+  ASSERT_EQ(message.upper_triangle_size(), 21);
+  EXPECT_EQ(message.upper_triangle(1), covariance(0, 1));
+  EXPECT_EQ(message.upper_triangle(6), covariance(1, 1));
+  EXPECT_EQ(message.upper_triangle(20), covariance(5, 5));
+  const auto back = FromWire(message);
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(*back, covariance);
+}
+
+TEST(ConversionTest, UnusableCovariancesAreRefused) {
+  v1::PoseCovariance too_short = ToWire(SomeCovariance());
+  too_short.mutable_upper_triangle()->RemoveLast();
+  v1::PoseCovariance too_long = ToWire(SomeCovariance());
+  too_long.add_upper_triangle(1.0);
+  v1::PoseCovariance not_finite = ToWire(SomeCovariance());
+  not_finite.set_upper_triangle(3, kInfinity);
+  v1::PoseCovariance negative = ToWire(SomeCovariance());
+  negative.set_upper_triangle(0, -1.0);
+  const v1::PoseCovariance zero = ToWire(Matrix6d(Matrix6d::Zero()));
+  for (const v1::PoseCovariance& message : {v1::PoseCovariance(), too_short, too_long, not_finite, negative, zero}) {
+    EXPECT_EQ(FieldOf(FromWire(message).status()), "upper_triangle") << message.ShortDebugString();
+  }
+}
+
+// The wire name of a method is its command-line name in capitals.
+TEST(ConversionTest, EveryMethodHasItsNumber) {
+  for (const Method method : AllMethods()) {
+    std::string name = "METHOD_" + std::string(MethodName(method));
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return c == '-' ? '_' : static_cast<char>(std::toupper(c)); });
+    EXPECT_EQ(v1::Method_Name(ToWire(method)), name);
+    const auto back = FromWire(ToWire(method));
+    ASSERT_THAT(back, IsOk());
+    EXPECT_EQ(*back, method);
+  }
+  EXPECT_EQ(AllMethods().size() + 1, static_cast<size_t>(v1::Method_ARRAYSIZE));
+}
+
+TEST(ConversionTest, UnspecifiedMethodIsCurveletAndUnknownIsRefused) {
+  const auto unspecified = FromWire(v1::METHOD_UNSPECIFIED);
+  ASSERT_THAT(unspecified, IsOk());
+  EXPECT_EQ(*unspecified, Method::kCurvelet);
+  EXPECT_EQ(FieldOf(FromWire(static_cast<v1::Method>(99)).status()), "method");
+}
+
+TEST(ConversionTest, OptionsComeBack) {
+  const RegistrationOptions options = FullOptions();
+  const auto back = FromWire(ToWire(options), 8);
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(back->method, options.method);
+  ASSERT_TRUE(back->prior.has_value());
+  EXPECT_THAT(back->prior->T_target_source, IsNear(SomePose(), 0.0, 1e-14));
+  EXPECT_EQ(back->prior->covariance, options.prior->covariance);
+  EXPECT_EQ(back->seed, options.seed);
+  EXPECT_EQ(back->num_threads, 3);
+  EXPECT_EQ(back->time_budget_s, options.time_budget_s);
+}
+
+TEST(ConversionTest, EmptyOptionsAreTheDefaults) {
+  const RegistrationOptions defaults;
+  for (const auto& message : {v1::RegistrationOptions(), ToWire(defaults)}) {
+    const auto options = FromWire(message, 0);
+    ASSERT_THAT(options, IsOk());
+    EXPECT_EQ(options->method, defaults.method);
+    EXPECT_FALSE(options->prior.has_value());
+    EXPECT_EQ(options->seed, defaults.seed);
+    EXPECT_EQ(options->num_threads, defaults.num_threads);
+    EXPECT_FALSE(options->time_budget_s.has_value());
+  }
+}
+
+TEST(ConversionTest, SeedZeroIsASeed) {
+  v1::RegistrationOptions message;
+  message.set_seed(0);
+  const auto options = FromWire(message, 0);
+  ASSERT_THAT(options, IsOk());
+  EXPECT_EQ(options->seed, 0U);
+}
+
+TEST(ConversionTest, ThreadsAreCutToTheBound) {
+  const auto threads = [](uint32_t wanted, int bound) {
+    v1::RegistrationOptions message;
+    message.set_max_threads(wanted);
+    const auto options = FromWire(message, bound);
+    return options.ok() ? options->num_threads : -1;
+  };
+  EXPECT_EQ(threads(3, 8), 3);
+  EXPECT_EQ(threads(9, 8), 8);
+  EXPECT_EQ(threads(0, 8), 8);
+  EXPECT_EQ(threads(0, 0), 0);
+  EXPECT_EQ(threads(5, 0), 5);
+  EXPECT_EQ(threads(0xFFFFFFFFU, 8), 8);
+  EXPECT_EQ(threads(0xFFFFFFFFU, 0), std::numeric_limits<int>::max());
+}
+
+TEST(ConversionTest, UnusableOptionsNameTheField) {
+  const auto field_after = [](const std::function<void(v1::RegistrationOptions&)>& change) {
+    v1::RegistrationOptions message = ToWire(FullOptions());
+    change(message);
+    return FieldOf(FromWire(message, 0).status());
+  };
+  EXPECT_EQ(field_after([](auto& m) { m.set_method(static_cast<v1::Method>(-1)); }), "method");
+  EXPECT_EQ(field_after([](auto& m) { m.mutable_prior()->clear_t_target_source(); }), "prior.t_target_source");
+  EXPECT_EQ(field_after([](auto& m) { m.mutable_prior()->mutable_t_target_source()->clear_rotation(); }),
+            "prior.t_target_source.rotation");
+  EXPECT_EQ(field_after([](auto& m) { m.mutable_prior()->mutable_covariance()->clear_upper_triangle(); }),
+            "prior.covariance.upper_triangle");
+  EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->Clear(); }), "time_budget");
+  EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->set_seconds(-1); }), "time_budget");
+  EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->set_nanos(2'000'000'000); }), "time_budget");
+  EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->set_seconds(INT64_MAX); }), "time_budget");
+}
+
+TEST(ConversionTest, TinyBudgetsStayAboveZero) {
+  RegistrationOptions options;
+  options.time_budget_s = 1e-12;
+  const auto back = FromWire(ToWire(options), 0);
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(back->time_budget_s, 1e-9);
+}
+
+TEST(ConversionTest, DurationsKeepNanoseconds) {
+  for (const double seconds : {0.0, 1e-9, 0.1, 1.999999999, 2.9999999999, 12345.678901234, -0.25, -3.0}) {
+    const auto back = SecondsOf(ToWire(seconds));
+    ASSERT_TRUE(back.has_value()) << seconds;
+    EXPECT_NEAR(*back, seconds, 5.1e-10);
+  }
+  EXPECT_EQ(SecondsOf(ToWire(1e300)), 315'576'000'000.0);
+  EXPECT_EQ(SecondsOf(ToWire(-kInfinity)), -315'576'000'000.0);
+  EXPECT_EQ(SecondsOf(ToWire(kNan)), 0.0);
+  google::protobuf::Duration mixed;
+  mixed.set_seconds(1);
+  mixed.set_nanos(-1);
+  EXPECT_FALSE(SecondsOf(mixed).has_value());
+}
+
+}  // namespace
+}  // namespace curvereg::wire
