@@ -5,7 +5,7 @@ JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo test bench fuzz format lint tidy clean
+.PHONY: help deps build demo test bench fuzz image format lint tidy clean
 
 help: ## This list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 10
@@ -33,6 +33,9 @@ fuzz: ## Fuzz every file reader for FUZZ_SECONDS (60) each; needs clang
 	cmake --preset fuzz
 	cmake --build --preset fuzz -j $(JOBS) --target fuzzers
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
+
+image: ## Build the container image with docker, buildah or podman
+	scripts/build_image.sh --jobs $(JOBS)
 
 format: ## Format the sources in place
 	@scripts/install_dependencies.sh format
