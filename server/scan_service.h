@@ -7,10 +7,13 @@
 
 #include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/call.h"
+#include "server/download_stream.h"
 #include "server/memory_budget.h"
 #include "server/prepared_scan_cache.h"
 #include "server/scan_store.h"
 #include "server/server_config.h"
+#include "server/upload_session.h"
+#include "server/upload_stream.h"
 #include "server/worker_pool.h"
 
 namespace curvereg::server {
@@ -27,7 +30,7 @@ struct ScanBackend {
 
 class ScanService final : public v1::ScanService::CallbackService {
  public:
-  explicit ScanService(const ScanBackend& backend) : backend_(backend) {}
+  explicit ScanService(const ScanBackend& backend);
 
   grpc::ServerBidiReactor<v1::UploadScanRequest, v1::UploadScanResponse>* UploadScan(
       grpc::CallbackServerContext* context) override;
@@ -44,6 +47,9 @@ class ScanService final : public v1::ScanService::CallbackService {
 
  private:
   const ScanBackend backend_;
+  UploadOwners upload_owners_;
+  const UploadStream::Environment uploads_;
+  const DownloadStream::Environment downloads_;
 };
 
 }  // namespace curvereg::server
