@@ -34,6 +34,8 @@ class FreeSpace {
   enum class Answer { kUnseen, kAgrees, kViolates };
   // Point in the sensor frame. kUnseen: direction never measured, or hidden behind what was.
   Answer Ask(const Eigen::Vector3f& point) const;
+  // Heap memory that it holds.
+  size_t MemoryBytes() const { return bins_.capacity() * sizeof(Interval); }
 
  private:
   FreeSpaceOptions options_;

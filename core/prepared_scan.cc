@@ -12,6 +12,19 @@ absl::Status StoppedStatus(const Stop& stop) {
   return absl::DeadlineExceededError("time ran out while a scan was prepared");
 }
 
+template <typename T>
+size_t HeapBytes(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
+size_t HeapBytes(const ViewFeatures& view) {
+  const Features& features = view.features;
+  return HeapBytes(view.image.values.pixels) + HeapBytes(view.image.valid.pixels) + HeapBytes(view.band_pass.pixels) +
+         HeapBytes(view.valid.pixels) + HeapBytes(view.slices.slices.pixels) + HeapBytes(features.keypoints) +
+         HeapBytes(features.orientations_rad) + HeapBytes(features.descriptors) + HeapBytes(view.planar) +
+         HeapBytes(view.heights_m);
+}
+
 }  // namespace
 
 PreparedScan::PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOptions& options)
@@ -49,6 +62,7 @@ absl::StatusOr<const ViewFeatures*> PreparedScan::View(BirdsEyeView view, size_t
         ComputeViewFeatures(scan_->points, verticals_[vertical].R_level_sensor, options, stop);
     if (absl::IsCancelled(features.status())) return StoppedStatus(stop);  // the next caller may have more time
     lazy.features = std::move(features);
+    if (lazy.features->ok()) lazy.bytes = HeapBytes(**lazy.features);
   }
   if (!lazy.features->ok()) return lazy.features->status();
   return &**lazy.features;
@@ -67,8 +81,18 @@ absl::StatusOr<const PreparedScan*> PreparedScan::Cleaned(const Stop& stop) cons
     absl::StatusOr<std::unique_ptr<const PreparedScan>> cleaned = Create(std::move(scan), options, stop);
     if (!cleaned.ok()) return cleaned.status();
     cleaned_ = *std::move(cleaned);
+    known_cleaned_ = cleaned_.get();
   }
   return cleaned_.get();
+}
+
+size_t PreparedScan::MemoryBytes() const {
+  size_t bytes = sizeof(PreparedScan) + sizeof(Scan) + HeapBytes(scan_->points) + HeapBytes(voxel_maps_) +
+                 HeapBytes(representatives_) + free_space_.MemoryBytes() + HeapBytes(verticals_) + HeapBytes(views_);
+  for (const VoxelMap& map : voxel_maps_) bytes += map.MemoryBytes();
+  for (const std::unique_ptr<LazyView>& view : views_) bytes += sizeof(LazyView) + view->bytes;
+  if (const PreparedScan* cleaned = known_cleaned_; cleaned != nullptr) bytes += cleaned->MemoryBytes();
+  return bytes;
 }
 
 }  // namespace curvereg

@@ -7,6 +7,7 @@
 #ifndef CURVEREG_CORE_PREPARED_SCAN_H_
 #define CURVEREG_CORE_PREPARED_SCAN_H_
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -59,10 +60,15 @@ class PreparedScan {
   // the first caller. Errors as Create.
   absl::StatusOr<const PreparedScan*> Cleaned(const Stop& stop = {}) const;
 
+  // Memory that the scan and all that was computed of it hold by now; grows with first uses of View and Cleaned. What
+  // is being computed at the moment is not counted. Does not wait for it either.
+  size_t MemoryBytes() const;
+
  private:
   struct LazyView {
     std::mutex mutex;
     std::optional<absl::StatusOr<ViewFeatures>> features;
+    std::atomic<size_t> bytes = 0;  // of `features`, readable without the mutex
   };
 
   PreparedScan(std::shared_ptr<const Scan> scan, const PreparationOptions& options);
@@ -76,6 +82,7 @@ class PreparedScan {
   std::vector<std::unique_ptr<LazyView>> views_;  // elevation and occupancy of each vertical
   mutable std::mutex cleaned_mutex_;
   mutable std::unique_ptr<const PreparedScan> cleaned_;
+  mutable std::atomic<const PreparedScan*> known_cleaned_ = nullptr;  // cleaned_, readable without the mutex
 };
 
 }  // namespace curvereg

@@ -39,6 +39,11 @@ class VoxelMap {
   const std::vector<Surfel>& surfels() const { return surfels_; }
   // Index of the element whose cell holds `point` [m], -1 where there is none.
   int Find(const Eigen::Vector3f& point) const;
+  // Heap memory that the map holds.
+  size_t MemoryBytes() const {
+    return surfels_.capacity() * sizeof(Surfel) + slot_keys_.capacity() * sizeof(uint64_t) +
+           slot_surfels_.capacity() * sizeof(int32_t);
+  }
 
  private:
   double cell_m_ = 1.0;

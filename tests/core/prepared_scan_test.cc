@@ -125,6 +125,47 @@ TEST(PreparedScanTest, CleanedLacksIsolatedReturns) {
   EXPECT_EQ(*prepared->Cleaned(), *cleaned);  // computed once
 }
 
+TEST(PreparedScanTest, MemoryGrowsWithWhatIsComputed) {
+  const auto scan = GroundScan();
+  const auto prepared = Prepared(scan);
+  const size_t first = prepared->MemoryBytes();
+  size_t parts = scan->points.size() * sizeof(Eigen::Vector3f);
+  for (const VoxelMap& map : prepared->voxel_maps()) parts += map.surfels().size() * sizeof(Surfel);
+  EXPECT_GE(first, parts);
+  EXPECT_LE(first, 3 * parts);
+  EXPECT_EQ(prepared->MemoryBytes(), first);  // asking changes nothing
+
+  const auto view = prepared->View(BirdsEyeView::kElevation, 0);
+  ASSERT_THAT(view, IsOk());
+  const size_t with_view = prepared->MemoryBytes();
+  const Features& features = (*view)->features;
+  const size_t pixels = (*view)->image.values.size();
+  EXPECT_GE(with_view - first, sizeof(float) * (features.descriptors.size() + 2 * pixels) + 2 * pixels);
+  ASSERT_THAT(prepared->View(BirdsEyeView::kElevation, 0), IsOk());
+  EXPECT_EQ(prepared->MemoryBytes(), with_view);  // computed once
+
+  const auto cleaned = prepared->Cleaned();
+  ASSERT_THAT(cleaned, IsOk());
+  EXPECT_EQ(prepared->MemoryBytes(), with_view + (*cleaned)->MemoryBytes());
+  ASSERT_THAT((*cleaned)->View(BirdsEyeView::kOccupancy, 0), IsOk());
+  EXPECT_EQ(prepared->MemoryBytes(), with_view + (*cleaned)->MemoryBytes());
+}
+
+TEST(PreparedScanTest, MemoryMayBeAskedForWhileOthersCompute) {
+  const auto prepared = Prepared(GroundScan());
+  std::vector<std::thread> threads;
+  threads.emplace_back([&] { EXPECT_THAT(prepared->View(BirdsEyeView::kOccupancy, 0), IsOk()); });
+  threads.emplace_back([&] { EXPECT_THAT(prepared->Cleaned(), IsOk()); });
+  size_t last = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const size_t bytes = prepared->MemoryBytes();
+    EXPECT_GE(bytes, last);
+    last = bytes;
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_GT(prepared->MemoryBytes(), prepared->scan().points.size() * sizeof(Eigen::Vector3f));
+}
+
 TEST(PreparedScanTest, RefusesScansThatAreNotValid) {
   EXPECT_THAT(PreparedScan::Create(std::make_shared<Scan>()), testing::HasCode(absl::StatusCode::kInvalidArgument));
   PreparationOptions options;
