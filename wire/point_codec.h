@@ -6,19 +6,15 @@
 #define CURVEREG_WIRE_POINT_CODEC_H_
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
 #include "core/scan.h"
 #include "curvereg/v1/point_cloud.pb.h"
+#include "wire/cloud_header.h"
 
 namespace curvereg::wire {
-
-// What a decoder takes at most. A header is checked against it before any memory is taken.
-struct PointLimits {
-  uint64_t max_points = 50'000'000;
-  uint64_t max_payload_bytes = uint64_t{1} << 31;
-};
 
 struct PointEncodingOptions {
   v1::PointEncoding encoding = v1::POINT_ENCODING_RAW;
@@ -27,12 +23,8 @@ struct PointEncodingOptions {
 };
 
 // The scan with its gravity as a cloud: float32 x y z, or quantised. Points without a return stay so, order is kept.
-// INVALID_ARGUMENT: max_error_m not above 0, or too small for coordinates of this size in 4 bytes.
+// INVALID_FIELD: encoding unknown; max_error_m not above 0, or too small for coordinates of this size in 4 bytes.
 absl::StatusOr<v1::PointCloud> EncodeScan(const Scan& scan, const PointEncodingOptions& options = {});
-
-// INVALID_FIELD naming the field within the header, SCAN_TOO_LARGE: a header that no payload can satisfy, or that asks
-// for more than the limits. `payload_bytes`: of the payload that goes with it.
-absl::Status ValidateHeader(const v1::PointCloudHeader& header, uint64_t payload_bytes, const PointLimits& limits);
 
 // Most bytes of memory that DecodeScan takes for a header that passed ValidateHeader, its result included.
 uint64_t DecodingBytes(const v1::PointCloudHeader& header);
@@ -41,6 +33,11 @@ uint64_t DecodingBytes(const v1::PointCloudHeader& header);
 // Takes no more memory than DecodingBytes whatever the bytes say. Coordinates beyond float32 become "no return".
 absl::StatusOr<Scan> DecodeScan(const v1::PointCloudHeader& header, std::string_view payload,
                                 const PointLimits& limits);
+
+// The packed block as the layout tells, all fields. Errors of DecodeScan; INVALID_FIELD "encoding" for clouds that have
+// no layout. Takes at most twice BlockBytes and kDecompressorBytes.
+absl::StatusOr<std::string> DecodeBlock(const v1::PointCloudHeader& header, std::string_view payload,
+                                        const PointLimits& limits);
 
 }  // namespace curvereg::wire
 
