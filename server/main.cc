@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// curvereg-server: exit status 0 after a shutdown that was asked for, 1 when it cannot serve, 2 for wrong settings.
+#include <unistd.h>
+
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "client/files/atomic_file.h"
+#include "core/register_scans.h"
+#include "server/access.h"
+#include "server/command_line.h"
+#include "server/config_sources.h"
+#include "server/logging.h"
+#include "server/server.h"
+#include "server/settings.h"
+#include "server/small_file.h"
+#include "server/termination_signals.h"
+
+namespace curvereg::server {
+namespace {
+
+enum class ExitStatus { kDone = 0, kFailed = 1, kUsage = 2 };
+
+ExitStatus Fail(const absl::Status& status) {
+  std::fprintf(stderr, "curvereg-server: %s\n", std::string(status.message()).c_str());
+  return status.code() == absl::StatusCode::kInvalidArgument ? ExitStatus::kUsage : ExitStatus::kFailed;
+}
+
+absl::Status WritePorts(const std::string& path, const Server& server) {
+  if (path.empty()) return absl::OkStatus();
+  const nlohmann::ordered_json ports = {{"grpc_port", server.port()}, {"ops_port", server.ops_port()}};
+  return WriteFileAtomically(path, ports.dump() + "\n");
+}
+
+void LogListening(const ServerConfig& config, const Server& server, Logger& logger) {
+  logger.Info("listening", {{"grpc_address", config.listen},
+                            {"grpc_port", int64_t{server.port()}},
+                            {"ops_address", config.ops_listen},
+                            {"ops_port", int64_t{server.ops_port()}},
+                            {"tls", !config.tls.certificate_file.empty()},
+                            {"mutual_tls", !config.tls.client_ca_file.empty()},
+                            {"tokens", !config.token_file.empty()},
+                            {"data_dir", config.data_dir},
+                            {"pid", int64_t{getpid()}},
+                            {"build", BuildId()}});
+}
+
+ExitStatus ServeUntilSignal(const ServerConfig& config, const std::string& ports_file) {
+  const TerminationSignals signals;  // before any thread exists
+  absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config.log, stderr);
+  if (!logger.ok()) return Fail(logger.status());
+  absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);
+  if (!server.ok()) {
+    (*logger)->Error("cannot_start", {{"message", std::string(server.status().message())}});
+    return Fail(server.status());
+  }
+  if (const absl::Status status = WritePorts(ports_file, **server); !status.ok()) return Fail(status);
+  LogListening(config, **server, **logger);
+  signals.Wait();
+  (*logger)->Info("stopping", {{"grace_seconds", int64_t{config.grace_seconds}}});
+  (*server)->Shutdown(std::chrono::seconds(config.grace_seconds));
+  server->reset();
+  (*logger)->Info("stopped");
+  return ExitStatus::kDone;
+}
+
+ExitStatus Run(const ServeCommand& command) {
+  if (command.print_settings) {
+    std::fputs(SettingsMarkdown().c_str(), stdout);
+    return ExitStatus::kDone;
+  }
+  const absl::StatusOr<ServerConfig> config =
+      ReadConfig({.toml_file = command.config_file, .environment = ServerEnvironment(environ), .flags = command.flags});
+  if (!config.ok()) return Fail(config.status());
+  if (command.print_config) {
+    std::fputs(ConfigToml(*config).c_str(), stdout);
+    return ExitStatus::kDone;
+  }
+  return ServeUntilSignal(*config, command.ports_file);
+}
+
+ExitStatus Run(const MakeTokenCommand& command) {
+  const absl::StatusOr<NewToken> token = MakeToken(command.name, command.scope);
+  if (!token.ok()) return Fail(token.status());
+  if (!command.append_to.empty()) {
+    absl::StatusOr<std::string> text = ReadSmallFile(command.append_to);
+    if (absl::IsNotFound(text.status())) text = "";
+    if (!text.ok()) return Fail(text.status());
+    if (!text->empty() && text->back() != '\n') *text += "\n";
+    const absl::Status status = WriteFileAtomically(command.append_to, *text + token->toml);
+    if (!status.ok()) return Fail(status);
+  }
+  std::printf("%s\n", token->token.c_str());
+  if (command.append_to.empty()) std::printf("\n%s", token->toml.c_str());
+  return ExitStatus::kDone;
+}
+
+ExitStatus ParseAndRun(int argc, char** argv) {
+  const ParsedCommandLine parsed = ParseCommandLine(argc, argv);
+  if (parsed.is_done) return static_cast<ExitStatus>(parsed.exit_status);
+  return std::visit([](const auto& command) { return Run(command); }, parsed.command);
+}
+
+// Our code throws nothing; the libraries below it may, above all when memory runs out.
+ExitStatus Main(int argc, char** argv) {
+  try {
+    return ParseAndRun(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("curvereg-server: out of memory\n", stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "curvereg-server: internal error: %s\n", error.what());
+  }
+  return ExitStatus::kFailed;
+}
+
+}  // namespace
+}  // namespace curvereg::server
+
+int main(int argc, char** argv) { return static_cast<int>(curvereg::server::Main(argc, argv)); }
