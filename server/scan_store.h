@@ -97,7 +97,7 @@ class ScanStore {
 };
 
 // The right to go on with one upload, until another writer of the same upload is begun. Used by one thread at a time.
-// Destroying it leaves what is committed.
+// Destroying it leaves what is committed. Must not outlive the store.
 class UploadWriter {
  public:
   virtual ~UploadWriter() = default;
