@@ -63,8 +63,9 @@ absl::Status Answer(const EvaluationOptions& options, const RegistrationOptions&
   const auto start = std::chrono::steady_clock::now();
   absl::StatusOr<RegistrationResult> result = options.register_scans(**source, **target, registration);
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (absl::IsCancelled(result.status())) return result.status();
+  if (absl::IsCancelled(result.status()) || absl::IsUnavailable(result.status())) return result.status();
   if (result.ok()) {
+    outcome.seconds = result->total_seconds;
     outcome.result = *std::move(result);
   } else {
     outcome.error = std::string(result.status().message());

@@ -26,7 +26,7 @@ struct PairOutcome {
   double overlap = -1.0;                               // as in ScanPair
   RegistrationResult result;                           // born rejected; stays so when the call failed
   std::string error;                                   // why the call could not be done; empty when it was
-  double seconds = kUnknown;                           // from two scans in memory to the answer
+  double seconds = kUnknown;                           // as the result tells: two scans in memory to answer
 };
 
 // A pose counts as right below both: the paper's bounds are of this size, and refinement converges from there.

@@ -9,11 +9,32 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "client/client.h"
 
 namespace curvereg::cli {
 namespace fs = std::filesystem;
 
+namespace {
+
+// What a server says of the arguments is said of the arguments; all else it says is a refusal.
+ExitCode ExitCodeForServerError(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kInvalidArgument:
+    case absl::StatusCode::kNotFound:
+    case absl::StatusCode::kUnimplemented:
+      return ExitCode::kUsage;
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kInternal:
+      return ExitCode::kInternal;
+    default:
+      return ExitCode::kUnreachable;
+  }
+}
+
+}  // namespace
+
 ExitCode ExitCodeFor(const absl::Status& status) {
+  if (!ErrorReasonName(status).empty()) return ExitCodeForServerError(status);
   switch (status.code()) {
     case absl::StatusCode::kOk:
       return ExitCode::kDone;
@@ -28,6 +49,8 @@ ExitCode ExitCodeFor(const absl::Status& status) {
     case absl::StatusCode::kDataLoss:
       return ExitCode::kUsage;
     case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kUnauthenticated:
+    case absl::StatusCode::kDeadlineExceeded:
       return ExitCode::kUnreachable;
     default:
       return ExitCode::kInternal;

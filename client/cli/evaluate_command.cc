@@ -11,8 +11,8 @@
 #include "client/cli/argument_parsing.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/result_text.h"
+#include "client/cli/service_registrar.h"
 #include "client/files/cloud_file.h"
-#include "core/register_scans.h"
 #include "eval/evaluate.h"
 #include "eval/report.h"
 #include "eval/report_json.h"
@@ -29,6 +29,7 @@ struct Arguments {
   double time_budget_s = 0.0;
   std::string out;
   bool json = false;
+  ServerArguments server;
 };
 
 constexpr char kExamples[] =
@@ -36,7 +37,8 @@ constexpr char kExamples[] =
 `source target overlap ... 16 numbers`, row-major T_target_source). strangers.txt, where present, lists pairs
 `source target` that share no ground: accepting one is wrong.
 
-Exit status: 0 done (whatever the figures), 1 internal fault or interrupted, 2 bad arguments or input.
+Exit status: 0 done (whatever the figures), 1 internal fault or interrupted, 2 bad arguments or input, 4 server
+unreachable or it refused.
 
 Examples:
   curvereg evaluate yard --out yard-report
@@ -56,6 +58,9 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   const absl::StatusOr<std::vector<Method>> methods = ParseMethods(arguments.methods);
   if (!methods.ok()) return methods.status();
 
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  if (!service.ok()) return service.status();
+  ServiceRegistrar registrar(*service);
   ProgressBar bar("registering");
   EvaluationOptions options;
   options.methods = *methods;
@@ -64,7 +69,9 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   if (arguments.time_budget_s > 0.0) options.registration.time_budget_s = arguments.time_budget_s;
   options.registration.cancellation = context.interrupted;
   options.load_scan = LoadScan;
-  options.register_scans = RegisterScans;
+  options.register_scans = [&](const Scan& source, const Scan& target, const RegistrationOptions& registration) {
+    return registrar.Register(source, target, registration);
+  };
   options.progress = [&](const EvaluationProgress& progress) {
     bar.Update(static_cast<double>(progress.num_done) / progress.num_total, ProgressNote(progress));
   };
@@ -118,6 +125,7 @@ Command AddEvaluateCommand(CLI::App& app) {
       ->required()
       ->type_name("DIR");
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(*command, arguments->server);
   command->footer(kExamples);
   return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }

@@ -13,10 +13,9 @@
 #include "client/cli/argument_parsing.h"
 #include "client/cli/cloud_arguments.h"
 #include "client/cli/progress_bar.h"
-#include "client/files/png_file.h"
+#include "client/cli/service_access.h"
+#include "client/files/atomic_file.h"
 #include "client/files/result_json.h"
-#include "core/parallel.h"
-#include "render/scan_pictures.h"
 
 namespace curvereg::cli {
 namespace {
@@ -27,6 +26,7 @@ struct Arguments {
   std::string out;
   int threads = 0;
   bool json = false;
+  ServerArguments server;
 };
 
 constexpr char kNotes[] = R"(Pictures, written as PNG files:
@@ -36,12 +36,17 @@ constexpr char kNotes[] = R"(Pictures, written as PNG files:
   VIEW_doc_J.png                     differences of curvelets I_c(J) - I_c(J-1) of a view: blue below 0, red above
   VIEW_keypoints.png                 key points on the conditioned view: red maxima, blue minima
 
-Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or input.
+Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or input, 4 server unreachable or it refused.
 
 Example:
   curvereg inspect scan_0000.pcd --out pictures)";
 
-absl::StatusOr<ScanPictures> MakePictures(const Arguments& arguments, const CliContext& context) {
+absl::StatusOr<RemotePictures> MakePictures(const Arguments& arguments, const CliContext& context) {
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  if (!service.ok()) return service.status();
+  if (service->is_remote() && IsScanName(arguments.scan)) {
+    return service->client().RenderScan(arguments.scan, arguments.threads, context.interrupted);
+  }
   absl::StatusOr<Scan> scan = ReadScanArgument(arguments.scan, context);
   if (!scan.ok()) return scan.status();
   if (!arguments.gravity.empty()) {
@@ -49,23 +54,27 @@ absl::StatusOr<ScanPictures> MakePictures(const Arguments& arguments, const CliC
     if (!gravity.ok()) return gravity.status();
     scan->gravity = *gravity;
   }
-  absl::StatusOr<ScanPictures> pictures = absl::UnknownError("not computed");
-  WithThreadLimit(arguments.threads, [&] { pictures = DrawScan(*scan, {}, Stop{context.interrupted, std::nullopt}); });
-  return pictures;
+  const absl::StatusOr<ScanReference> reference = OfferScan(*service, *scan, context);
+  if (!reference.ok()) return reference.status();
+  return service->client().RenderScan(*reference, arguments.threads, context.interrupted);
 }
 
-absl::Status WritePictures(const ScanPictures& pictures, const std::string& folder) {
+absl::Status WritePictures(const RemotePictures& pictures, const std::string& folder) {
   ProgressBar bar("writing pictures");
   for (std::size_t i = 0; i < pictures.pictures.size(); ++i) {
-    const NamedPicture& named = pictures.pictures[i];
-    const absl::Status status = WritePngFile(absl::StrCat(folder, "/", named.name, ".png"), named.picture);
+    const RemotePicture& picture = pictures.pictures[i];
+    // A server is not trusted with the names of files.
+    if (picture.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos) {
+      return absl::DataLossError(absl::StrCat("the server named a picture '", picture.name, "'"));
+    }
+    const absl::Status status = WriteFileAtomically(absl::StrCat(folder, "/", picture.name, ".png"), picture.png);
     if (!status.ok()) return status;
-    bar.Update(static_cast<double>(i + 1) / static_cast<double>(pictures.pictures.size()), named.name);
+    bar.Update(static_cast<double>(i + 1) / static_cast<double>(pictures.pictures.size()), picture.name);
   }
   return absl::OkStatus();
 }
 
-std::string ResultLine(const Arguments& arguments, const ScanPictures& pictures) {
+std::string ResultLine(const Arguments& arguments, const RemotePictures& pictures) {
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   std::string text = absl::StrCat("points       ", pictures.num_points, "\n");
   nlohmann::ordered_json keypoints = nlohmann::ordered_json::object();
@@ -73,7 +82,7 @@ std::string ResultLine(const Arguments& arguments, const ScanPictures& pictures)
     absl::StrAppend(&text, "key points   ", count, " in the ", view, " view\n");
     keypoints[view] = count;
   }
-  for (const NamedPicture& named : pictures.pictures) {
+  for (const RemotePicture& named : pictures.pictures) {
     absl::StrAppend(&text, "picture      ", arguments.out, "/", named.name, ".png\n");
     files.push_back(absl::StrCat(named.name, ".png"));
   }
@@ -89,7 +98,7 @@ std::string ResultLine(const Arguments& arguments, const ScanPictures& pictures)
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
   const absl::Status folder = PrepareOutputFolder(arguments.out);
   if (!folder.ok()) return ReportError(folder);
-  const absl::StatusOr<ScanPictures> pictures = MakePictures(arguments, context);
+  const absl::StatusOr<RemotePictures> pictures = MakePictures(arguments, context);
   if (!pictures.ok()) return ReportError(pictures.status());
   const absl::Status written = WritePictures(*pictures, arguments.out);
   if (!written.ok()) return ReportError(written);
@@ -101,7 +110,8 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 Command AddInspectCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("inspect", "Draw pictures of every stage that a scan goes through");
-  command->add_option("SCAN", arguments->scan, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS")->required();
+  command->add_option("SCAN", arguments->scan, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
+      ->required();
   command->add_option("--out", arguments->out, "Folder for the pictures")->required()->type_name("DIR");
   command->add_option("--gravity", arguments->gravity, "Direction of gravity (down) in the scan's frame")
       ->type_name("X,Y,Z");
@@ -109,6 +119,7 @@ Command AddInspectCommand(CLI::App& app) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(*command, arguments->server);
   command->footer(kNotes);
   return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }

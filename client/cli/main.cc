@@ -16,7 +16,9 @@
 #include "client/cli/inspect_command.h"
 #include "client/cli/interrupt_watcher.h"
 #include "client/cli/register_command.h"
+#include "client/cli/scans_command.h"
 #include "client/cli/simulate_command.h"
+#include "client/cli/status_command.h"
 
 namespace curvereg::cli {
 namespace {
@@ -34,7 +36,7 @@ ExitCode ParseAndRun(int argc, char** argv) {
   app.set_version_flag("--version", "curvereg " CURVEREG_VERSION);
   app.require_subcommand(1);
   const std::vector<Command> commands = {AddRegisterCommand(app), AddSimulateCommand(app), AddEvaluateCommand(app),
-                                         AddInspectCommand(app)};
+                                         AddInspectCommand(app),  AddScansCommand(app),    AddStatusCommand(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

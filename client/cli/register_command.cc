@@ -15,9 +15,9 @@
 #include "client/cli/cloud_arguments.h"
 #include "client/cli/register_report.h"
 #include "client/cli/result_text.h"
+#include "client/cli/service_access.h"
 #include "client/files/cloud_file.h"
 #include "client/files/result_json.h"
-#include "core/register_scans.h"
 
 namespace curvereg::cli {
 namespace {
@@ -33,15 +33,20 @@ struct Arguments {
   double time_budget_s = 0.0;
   bool json = false;
   std::string out_cloud, report;
+  ServerArguments server;
 };
 
 constexpr char kExamples[] =
-    R"(Exit status: 0 accepted, 1 internal fault or interrupted, 2 bad arguments or input, 3 rejected.
+    R"(With --server, SOURCE and TARGET may also be names of scans that the server keeps (scans/...; see curvereg scans).
+
+Exit status: 0 accepted, 1 internal fault or interrupted, 2 bad arguments or input, 3 rejected, 4 server unreachable or
+it refused.
 
 Examples:
   curvereg register scan_0001.pcd scan_0000.pcd
   curvereg register new.ply old.ply --json > result.json
   curvereg register a.las b.las --prior "5.0 0 0 0 0 0 1" --prior-sigma 0.1,1.0
+  curvereg register a.pcd b.pcd --server ground-station:50051
   curvereg register a.pcd b.pcd --gravity-source 0,0,-1 --gravity-target 0,0,-1 --out-cloud merged.ply)";
 
 absl::StatusOr<std::optional<Prior>> PriorOf(const Arguments& arguments) {
@@ -93,16 +98,56 @@ absl::Status CheckOutputs(const Arguments& arguments) {
   return arguments.report.empty() ? absl::OkStatus() : PrepareOutputFolder(arguments.report);
 }
 
-absl::StatusOr<Scan> ReadSide(const std::string& path, const std::string& gravity, const CliContext& context) {
+// A scan read from a file, or the name of one that the server keeps. The points of the latter are fetched only when
+// something is to be made of them.
+struct Side {
+  std::optional<Scan> scan;
+  std::string name;
+};
+
+absl::StatusOr<Side> ReadSide(const std::string& argument, const std::string& gravity, const CliContext& context) {
   std::optional<Eigen::Vector3d> direction;
   if (!gravity.empty()) {
     const absl::StatusOr<Eigen::Vector3d> parsed = ParseDirection(gravity);
     if (!parsed.ok()) return parsed.status();
     direction = *parsed;
   }
-  absl::StatusOr<Scan> scan = ReadScanArgument(path, context);
-  if (scan.ok()) scan->gravity = direction;
-  return scan;
+  absl::StatusOr<Scan> scan = ReadScanArgument(argument, context);
+  if (!scan.ok()) return scan.status();
+  scan->gravity = direction;
+  return Side{.scan = *std::move(scan), .name = {}};
+}
+
+absl::StatusOr<Side> NamedSide(ServiceAccess& service, const std::string& name, bool with_points,
+                               const CliContext& context) {
+  Side side{.scan = std::nullopt, .name = name};
+  if (!with_points) return side;
+  absl::StatusOr<Scan> scan = service.client().DownloadScan(name, LosslessTransfer(context));
+  if (!scan.ok()) return scan.status();
+  side.scan = *std::move(scan);
+  return side;
+}
+
+absl::StatusOr<Side> GetSide(ServiceAccess& service, const std::string& argument, const std::string& gravity,
+                             const Arguments& arguments, const CliContext& context) {
+  if (!service.is_remote() || !IsScanName(argument)) return ReadSide(argument, gravity, context);
+  if (!gravity.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(argument, ": a scan that the server keeps has its own gravity"));
+  }
+  return NamedSide(service, argument, !arguments.out_cloud.empty() || !arguments.report.empty(), context);
+}
+
+absl::StatusOr<RegistrationResult> RegisterSides(ServiceAccess& service, const Side& source, const Side& target,
+                                                 const RegistrationOptions& options, const CliContext& context) {
+  const auto refer = [&](const Side& side) -> absl::StatusOr<ScanReference> {
+    if (!side.name.empty()) return ScanReference(side.name);
+    return OfferScan(service, *side.scan, context);
+  };
+  const absl::StatusOr<ScanReference> source_reference = refer(source);
+  if (!source_reference.ok()) return source_reference.status();
+  const absl::StatusOr<ScanReference> target_reference = refer(target);
+  if (!target_reference.ok()) return target_reference.status();
+  return service.client().RegisterScans(*source_reference, *target_reference, options, kInlineEncoding);
 }
 
 // The source in the target frame, then the target.
@@ -117,14 +162,15 @@ absl::Status WriteMergedCloud(const std::string& path, const Scan& source, const
   return WriteCloudFile(path, merged);
 }
 
-absl::Status WriteOutputs(const Arguments& arguments, const Scan& source, const Scan& target,
+absl::Status WriteOutputs(const Arguments& arguments, const Side& source, const Side& target,
                           const RegistrationResult& result) {
   if (!arguments.out_cloud.empty()) {
-    const absl::Status status = WriteMergedCloud(arguments.out_cloud, source, target, result);
+    const absl::Status status = WriteMergedCloud(arguments.out_cloud, *source.scan, *target.scan, result);
     if (!status.ok()) return status;
   }
   if (arguments.report.empty()) return absl::OkStatus();
-  return WriteRegisterReport(arguments.report, {arguments.source, arguments.target, source, target}, result);
+  return WriteRegisterReport(arguments.report, {arguments.source, arguments.target, *source.scan, *target.scan},
+                             result);
 }
 
 std::string ResultLine(const Arguments& arguments, const RegistrationResult& result) {
@@ -140,12 +186,14 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (!options.ok()) return ReportError(options.status());
   const absl::Status outputs = CheckOutputs(arguments);
   if (!outputs.ok()) return ReportError(outputs);
-  const absl::StatusOr<Scan> source = ReadSide(arguments.source, arguments.gravity_source, context);
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  if (!service.ok()) return ReportError(service.status());
+  const absl::StatusOr<Side> source = GetSide(*service, arguments.source, arguments.gravity_source, arguments, context);
   if (!source.ok()) return ReportError(source.status());
-  const absl::StatusOr<Scan> target = ReadSide(arguments.target, arguments.gravity_target, context);
+  const absl::StatusOr<Side> target = GetSide(*service, arguments.target, arguments.gravity_target, arguments, context);
   if (!target.ok()) return ReportError(target.status());
 
-  const absl::StatusOr<RegistrationResult> result = RegisterScans(*source, *target, *options);
+  const absl::StatusOr<RegistrationResult> result = RegisterSides(*service, *source, *target, *options, context);
   if (!result.ok()) return ReportError(result.status());
   // First what cannot be had again without the work: a full disk must not take it along.
   const ExitCode printed = PrintResult(ResultLine(arguments, *result));
@@ -160,7 +208,9 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 Command AddRegisterCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("register", "Find the transform that lays the scan SOURCE on the scan TARGET");
-  command->add_option("SOURCE", arguments->source, "Scan to be moved: PCD, PLY, KITTI .bin, XYZ/CSV or LAS")
+  command
+      ->add_option("SOURCE", arguments->source,
+                   "Scan to be moved: PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
       ->required();
   command->add_option("TARGET", arguments->target, "Scan to be laid on")->required();
   command->add_option("--method", arguments->method, MethodNames())->capture_default_str()->type_name("NAME");
@@ -189,6 +239,7 @@ Command AddRegisterCommand(CLI::App& app) {
       ->type_name("FILE");
   command->add_option("--report", arguments->report, "Write result.json and report.html with pictures into this folder")
       ->type_name("DIR");
+  AddServerOptions(*command, arguments->server);
   command->footer(kExamples);
   return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }

@@ -16,7 +16,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/progress_bar.h"
+#include "client/cli/service_access.h"
 #include "client/cli/simulated_dataset.h"
+#include "client/files/cloud_file.h"
 #include "core/parallel.h"
 #include "sim/presets.h"
 #include "sim/simulation.h"
@@ -34,6 +36,7 @@ struct Arguments {
   int threads = 0;
   bool json = false;
   std::vector<Change> changes;
+  ServerArguments server;
 };
 
 std::string Footer() {
@@ -45,7 +48,10 @@ std::string Footer() {
 The folder becomes a data set: scans 0000.pcd, 0001.pcd, ... in the sensor frame and the truth, poses.txt (TUM, sensor
 to world) or, of strangers, strangers.txt. The same options and seed give the same bytes at any number of threads.
 
-Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output that cannot be written.
+With --server the scans are uploaded as well.
+
+Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output that cannot be written, 4 server
+unreachable or it refused.
 
 Examples:
   curvereg simulate --out yard
@@ -114,6 +120,21 @@ std::string SummaryJson(const Arguments& arguments, const sim::Simulation& simul
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
+// The files as they were written, so that the server has what a reader of the folder has.
+absl::Status UploadDataset(const Arguments& arguments, int num_scans, const CliContext& context) {
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  if (!service.ok()) return service.status();
+  ProgressBar bar("uploading");
+  for (int i = 0; i < num_scans; ++i) {
+    const absl::StatusOr<Scan> scan = ReadCloudFile(absl::StrCat(arguments.out, "/", SimulatedScanName(i), ".pcd"));
+    if (!scan.ok()) return scan.status();
+    const absl::StatusOr<UploadOutcome> outcome = service->client().UploadScan(*scan, LosslessTransfer(context));
+    if (!outcome.ok()) return outcome.status();
+    bar.Update(static_cast<double>(i + 1) / num_scans, outcome->scan.name);
+  }
+  return absl::OkStatus();
+}
+
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
   const absl::StatusOr<sim::SimulationOptions> options = OptionsOf(arguments);
   if (!options.ok()) return ReportError(options.status());
@@ -135,6 +156,10 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
         {.num_threads = arguments.threads, .cancellation = context.interrupted, .progress = progress});
   }
   if (!summary.ok()) return ReportError(summary.status());
+  if (!arguments.server.server.empty()) {
+    const absl::Status uploaded = UploadDataset(arguments, scans.num_scans(), context);
+    if (!uploaded.ok()) return ReportError(uploaded);
+  }
   return PrintResult(arguments.json ? SummaryJson(arguments, scans, *summary) : SummaryText(scans, *summary));
 }
 
@@ -221,6 +246,7 @@ Command AddSimulateCommand(CLI::App& app) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(*command, arguments->server);
   command->footer(Footer());
   return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }

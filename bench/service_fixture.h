@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A real server on loopback for benchmarks, with a store in a temporary folder that goes with it.
+#ifndef CURVEREG_BENCH_SERVICE_FIXTURE_H_
+#define CURVEREG_BENCH_SERVICE_FIXTURE_H_
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "client/client.h"
+#include "server/server.h"
+
+namespace curvereg::bench {
+
+// Ends the program with a message when the server cannot be started or reached.
+class LoopbackService {
+ public:
+  explicit LoopbackService(server::LimitsConfig limits = {}) {
+    std::string folder = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) Fail("no temporary folder");
+    folder_ = folder;
+    server::ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    config.ops_listen = "";
+    config.data_dir = folder_;
+    config.limits = limits;
+    config.log.level = "error";
+    config.drain_delay_ms = 0;
+    auto server = server::Server::Start(config);
+    if (!server.ok()) Fail(std::string(server.status().message()));
+    server_ = *std::move(server);
+  }
+  ~LoopbackService() {
+    server_.reset();
+    std::error_code error;
+    std::filesystem::remove_all(folder_, error);
+  }
+  LoopbackService(const LoopbackService&) = delete;
+  LoopbackService& operator=(const LoopbackService&) = delete;
+
+  std::string target() const { return "127.0.0.1:" + std::to_string(server_->port()); }
+  std::unique_ptr<Client> Connect() const {
+    auto client = Client::Connect(target());
+    if (!client.ok()) Fail(std::string(client.status().message()));
+    return *std::move(client);
+  }
+
+ private:
+  [[noreturn]] static void Fail(const std::string& message) {
+    std::fprintf(stderr, "%s\n", message.c_str());
+    std::exit(1);
+  }
+
+  std::string folder_;
+  std::unique_ptr<server::Server> server_;
+};
+
+}  // namespace curvereg::bench
+
+#endif  // CURVEREG_BENCH_SERVICE_FIXTURE_H_

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/service_access.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <cstdlib>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "client/cli/argument_parsing.h"
+#include "client/cli/progress_bar.h"
+#include "client/files/file_bytes.h"
+
+namespace curvereg::cli {
+namespace {
+
+// Two scans of this size pass any server's limit on messages; larger ones are better sent so that a cut does not lose
+// them.
+constexpr std::size_t kMaxInlinePoints = 1'000'000;
+constexpr uint64_t kMaxTokenBytes = 4096;
+
+// A token on the command line would be seen by everybody on the machine: file or environment only.
+absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
+  if (arguments.token_file.empty()) {
+    const char* token = std::getenv("CURVEREG_TOKEN");
+    return std::string(token == nullptr ? "" : token);
+  }
+  const absl::StatusOr<FileBytes> bytes = ReadFileBytes(arguments.token_file, kMaxTokenBytes);
+  if (!bytes.ok()) return bytes.status();
+  return std::string(absl::StripAsciiWhitespace(std::string(bytes->view())));
+}
+
+absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
+  const absl::StatusOr<std::string> token = TokenOf(arguments);
+  if (!token.ok()) return token.status();
+  ClientOptions options;
+  options.token = *token;
+  options.call_timeout = std::chrono::milliseconds(static_cast<int64_t>(arguments.timeout_s * 1e3));
+  options.tls = {.enabled = arguments.tls || !arguments.ca.empty() || !arguments.certificate.empty(),
+                 .ca_file = arguments.ca,
+                 .certificate_file = arguments.certificate,
+                 .key_file = arguments.key,
+                 .server_name = arguments.server_name};
+  return options;
+}
+
+}  // namespace
+
+void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
+  const std::string group = "Server";
+  command.add_option("--server", arguments.server, "Ask this server; without it the command does the work itself")
+      ->envname("CURVEREG_SERVER")
+      ->type_name("HOST:PORT")
+      ->group(group);
+  command
+      .add_option("--token-file", arguments.token_file, "File with the bearer token; else the variable CURVEREG_TOKEN")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_flag("--tls", arguments.tls, "Encrypt; implied by the next two")->envname("CURVEREG_TLS")->group(group);
+  command.add_option("--tls-ca", arguments.ca, "PEM of the authority that signed the server; else the system's")
+      ->envname("CURVEREG_TLS_CA")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--tls-cert", arguments.certificate, "PEM certificate of this client, for mutual TLS")
+      ->envname("CURVEREG_TLS_CERT")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--tls-key", arguments.key, "PEM key of that certificate")
+      ->envname("CURVEREG_TLS_KEY")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--tls-server-name", arguments.server_name, "Name in the server's certificate, if not HOST")
+      ->envname("CURVEREG_TLS_SERVER_NAME")
+      ->type_name("NAME")
+      ->group(group);
+  command.add_option("--timeout", arguments.timeout_s, "Seconds for a call with its retries")
+      ->check(CheckPositive)
+      ->capture_default_str()
+      ->group(group);
+}
+
+absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& arguments) {
+  ServiceAccess service;
+  const absl::StatusOr<ClientOptions> options = OptionsOf(arguments);
+  if (!options.ok()) return options.status();
+  if (!arguments.server.empty()) {
+    absl::StatusOr<std::unique_ptr<Client>> client = Client::Connect(arguments.server, *options);
+    if (!client.ok()) return client.status();
+    service.client_ = *std::move(client);
+    return service;
+  }
+  absl::StatusOr<std::unique_ptr<server::Server>> local = server::Server::StartInProcess({});
+  if (!local.ok()) return local.status();
+  service.local_ = *std::move(local);
+  // Nobody waits for this process but its user, who can interrupt it.
+  ClientOptions patient = *options;
+  patient.call_timeout = std::chrono::hours(24 * 30);
+  service.client_ = Client::OverChannel(service.local_->InProcessChannel(), patient);
+  return service;
+}
+
+TransferOptions LosslessTransfer(const CliContext& context) {
+  TransferOptions options;
+  options.encoding.kind = TransferEncoding::Kind::kLossless;
+  options.cancellation = context.interrupted;
+  return options;
+}
+
+bool IsScanName(const std::string& argument) {
+  constexpr std::size_t kDigits = 32;
+  const std::string prefix = "scans/";
+  return argument.size() == prefix.size() + kDigits && argument.compare(0, prefix.size(), prefix) == 0 &&
+         argument.find_first_not_of("0123456789abcdef", prefix.size()) == std::string::npos;
+}
+
+absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan, const CliContext& context) {
+  if (!service.is_remote() || scan.points.size() <= kMaxInlinePoints) return ScanReference(std::cref(scan));
+  ProgressBar bar("uploading");
+  TransferOptions options = LosslessTransfer(context);
+  options.progress = [&](const TransferProgress& progress) {
+    bar.Update(static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total), "");
+  };
+  const absl::StatusOr<UploadOutcome> outcome = service.client().UploadScan(scan, options);
+  if (!outcome.ok()) return outcome.status();
+  return ScanReference(outcome->scan.name);
+}
+
+}  // namespace curvereg::cli

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The service that a command speaks to: a server named by --server, or else the same service in this process.
+#ifndef CURVEREG_CLIENT_CLI_SERVICE_ACCESS_H_
+#define CURVEREG_CLIENT_CLI_SERVICE_ACCESS_H_
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/cli/cli_context.h"
+#include "client/client.h"
+#include "server/server.h"
+
+namespace curvereg::cli {
+
+// As typed, or from the environment.
+struct ServerArguments {
+  std::string server;  // HOST:PORT; empty: in this process
+  std::string token_file;
+  bool tls = false;
+  std::string ca, certificate, key, server_name;
+  double timeout_s = 120.0;
+};
+
+// Declares --server (CURVEREG_SERVER), --token-file (or CURVEREG_TOKEN), --tls, --tls-ca, --tls-cert, --tls-key,
+// --tls-server-name, --timeout. `arguments` must outlive the app.
+void AddServerOptions(CLI::App& command, ServerArguments& arguments);
+
+class ServiceAccess {
+ public:
+  // INVALID_ARGUMENT: arguments; UNAVAILABLE: no server answers there.
+  static absl::StatusOr<ServiceAccess> Open(const ServerArguments& arguments);
+
+  Client& client() { return *client_; }
+  bool is_remote() const { return local_ == nullptr; }
+
+ private:
+  std::unique_ptr<server::Server> local_;  // outlives the client
+  std::unique_ptr<Client> client_;
+};
+
+// A scan as the service takes it: itself where it fits into a message, else the name under which it was uploaded
+// (lossless, with a progress bar). Keeps a reference to `scan`. Errors of Client::UploadScan.
+absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan, const CliContext& context);
+
+// A transfer without loss and without a progress bar.
+TransferOptions LosslessTransfer(const CliContext& context);
+
+// True for "scans/" and 32 hexadecimal digits: the name of a scan that a server keeps.
+bool IsScanName(const std::string& argument);
+
+// How inline scans are sent: without loss, so that a server answers what this process would.
+inline constexpr TransferEncoding kInlineEncoding{.kind = TransferEncoding::Kind::kRaw};
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLIENT_CLI_SERVICE_ACCESS_H_

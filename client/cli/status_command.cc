@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/status_command.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/service_access.h"
+#include "client/files/result_json.h"
+
+namespace curvereg::cli {
+namespace {
+
+struct Arguments {
+  ServerArguments server;
+  bool json = false;
+};
+
+constexpr char kNotes[] =
+    R"(Exit status: 0 the server serves, 1 internal fault, 2 bad arguments, 4 it does not serve, is unreachable or refused.
+
+Example:
+  curvereg status --server ground-station:50051)";
+
+std::string StatusText(const ServerStatus& status) {
+  std::string text = absl::StrCat(status.serving ? "serving" : "NOT SERVING", "\nbuild        ", status.build_id, "\n");
+  absl::StrAppendFormat(&text, "round trip   %.2f ms\n", static_cast<double>(status.round_trip.count()) * 1e-3);
+  for (const auto& [service, serving] : status.services) {
+    absl::StrAppend(&text, "service      ", service, serving ? "" : " (not serving)", "\n");
+  }
+  for (const RemoteMethod& method : status.methods) {
+    absl::StrAppendFormat(&text, "method       %-15s %s%s\n", method.name,
+                          method.available ? "" : "(left out of this build) ", method.description);
+  }
+  for (const auto& [name, value] : status.limits) absl::StrAppendFormat(&text, "limit        %-30s %d\n", name, value);
+  return text;
+}
+
+std::string StatusJson(const ServerStatus& status) {
+  nlohmann::ordered_json json = {{"serving", status.serving},
+                                 {"build_id", status.build_id},
+                                 {"round_trip_ms", static_cast<double>(status.round_trip.count()) * 1e-3},
+                                 {"services", nlohmann::ordered_json::object()},
+                                 {"methods", nlohmann::ordered_json::array()},
+                                 {"limits", nlohmann::ordered_json::object()}};
+  for (const auto& [service, serving] : status.services) json["services"][service] = serving;
+  for (const RemoteMethod& method : status.methods) {
+    json["methods"].push_back(
+        {{"name", method.name}, {"description", method.description}, {"available", method.available}});
+  }
+  for (const auto& [name, value] : status.limits) json["limits"][name] = value;
+  return JsonText(json) + "\n";
+}
+
+ExitCode Run(const Arguments& arguments) {
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  if (!service.ok()) return ReportError(service.status());
+  const absl::StatusOr<ServerStatus> status = service->client().Status();
+  if (!status.ok()) return ReportError(status.status());
+  const ExitCode printed = PrintResult(arguments.json ? StatusJson(*status) : StatusText(*status));
+  if (printed != ExitCode::kDone) return printed;
+  return status->serving ? ExitCode::kDone : ExitCode::kUnreachable;
+}
+
+}  // namespace
+
+Command AddStatusCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("status", "Tell whether a server serves, what it can do, and its limits");
+  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(*command, arguments->server);
+  command->footer(kNotes);
+  return {.app = command, .run = [arguments](const CliContext&) { return Run(*arguments); }};
+}
+
+}  // namespace curvereg::cli

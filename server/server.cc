@@ -1,0 +1,279 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/resource_quota.h>
+#include <grpcpp/server_builder.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/register_scans.h"
+#include "server/access.h"
+#include "server/credentials.h"
+#include "server/health_service.h"
+#include "server/logging.h"
+#include "server/memory_budget.h"
+#include "server/metrics.h"
+#include "server/ops_server.h"
+#include "server/prepared_scan_cache.h"
+#include "server/registration_service.h"
+#include "server/resolved_limits.h"
+#include "server/scan_service.h"
+#include "server/scan_store.h"
+#include "server/server_gauges.h"
+#include "server/warm_up.h"
+#include "server/worker_pool.h"
+
+namespace curvereg::server {
+namespace {
+
+constexpr char kRegistrationServiceName[] = "curvereg.v1.RegistrationService";
+constexpr char kScanServiceName[] = "curvereg.v1.ScanService";
+constexpr int kDiskWorkers = 2;                                // one that writes, one that checks
+constexpr int kMaxDiskTasks = 1 << 20;                         // each open stream has at most one
+constexpr int kMessageOverheadBytes = 64 << 10;                // what a chunk's message has beside its data
+constexpr uint64_t kLeastQuotaBytes = uint64_t{256} << 20;     // of gRPC's own buffers
+constexpr std::chrono::minutes kExpiryInterval{10};            // between looks for abandoned uploads
+constexpr std::chrono::milliseconds kCancellationMargin{500};  // of the grace time, for cancelled calls to end
+
+class WholeServer final : public Server {
+ public:
+  explicit WholeServer(const ServerConfig& config)
+      : config_(config),
+        limits_(ResolveLimits(config.limits)),
+        memory_(limits_.memory_bytes),
+        cache_(limits_.cache_bytes),
+        pool_({.num_workers = limits_.max_concurrent_registrations,
+               .max_queue_length = limits_.max_queue_length,
+               .max_queue_per_client = limits_.max_queue_per_client}),
+        disk_pool_(
+            {.num_workers = kDiskWorkers, .max_queue_length = kMaxDiskTasks, .max_queue_per_client = kMaxDiskTasks}) {}
+  ~WholeServer() override { Shutdown(std::chrono::milliseconds(0)); }
+
+  absl::Status Open();
+  absl::Status OpenInProcess();
+
+  int port() const override { return port_; }
+  int ops_port() const override { return ops_ == nullptr ? 0 : ops_->port(); }
+  std::shared_ptr<grpc::Channel> InProcessChannel() override;
+  void Shutdown(std::chrono::milliseconds grace) override;
+
+ private:
+  absl::Status OpenStore();
+  absl::Status OpenOperationsPort();
+  absl::Status Listen();
+  void AddServices(grpc::ServerBuilder& builder);
+  void ExpireUploads(const std::stop_token& stop);
+  CallEnvironment Calls() const;
+
+  const ServerConfig config_;
+  const LimitsConfig limits_;
+  std::unique_ptr<Logger> logger_;
+  std::unique_ptr<Access> access_;
+  Metrics metrics_;
+  MemoryBudget memory_;
+  PreparedScanCache cache_;
+  std::unique_ptr<ScanStore> store_;
+  WorkerPool pool_;
+  WorkerPool disk_pool_;
+  std::stop_source draining_;
+  std::atomic<bool> ready_ = false;
+  HealthService health_;
+  std::unique_ptr<RegistrationService> registration_service_;
+  std::unique_ptr<ScanService> scan_service_;
+  std::unique_ptr<grpc::Server> grpc_server_;
+  std::unique_ptr<OpsServer> ops_;
+  int port_ = 0;
+  std::jthread expiry_;
+  std::once_flag shut_down_;
+};
+
+CallEnvironment WholeServer::Calls() const {
+  return {.access = access_.get(),
+          .metrics = const_cast<Metrics*>(&metrics_),
+          .logger = logger_.get(),
+          .draining = draining_.get_token()};
+}
+
+absl::Status WholeServer::Open() {
+  absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config_.log, stderr);
+  if (!logger.ok()) return logger.status();
+  logger_ = *std::move(logger);
+  if (config_.token_file.empty()) {
+    access_ = Access::Open();
+  } else {
+    absl::StatusOr<std::unique_ptr<Access>> access =
+        Access::FromFile(config_.token_file, config_.tls.reload_seconds, *logger_);
+    if (!access.ok()) return access.status();
+    access_ = *std::move(access);
+  }
+  // The operations port first: it tells that the server is alive, and not ready yet.
+  if (absl::Status status = OpenOperationsPort(); !status.ok()) return status;
+  if (absl::Status status = OpenStore(); !status.ok()) return status;
+  if (absl::Status status = WarmUp(); !status.ok()) return status;
+  if (absl::Status status = Listen(); !status.ok()) return status;
+  expiry_ = std::jthread([this](const std::stop_token& stop) { ExpireUploads(stop); });
+  for (const char* service : {"", kRegistrationServiceName, kScanServiceName}) health_.SetServing(service, true);
+  ready_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status WholeServer::OpenInProcess() {
+  logger_ = Logger::Silent();
+  access_ = Access::Open();
+  grpc::ServerBuilder builder;
+  builder.SetMaxReceiveMessageSize(-1).SetMaxSendMessageSize(-1);
+  AddServices(builder);
+  grpc_server_ = builder.BuildAndStart();
+  if (grpc_server_ == nullptr) return absl::InternalError("cannot start the service in this process");
+  for (const char* service : {"", kRegistrationServiceName}) health_.SetServing(service, true);
+  return absl::OkStatus();
+}
+
+absl::Status WholeServer::OpenOperationsPort() {
+  AddServerGauges(metrics_, {.pool = &pool_, .memory = &memory_, .cache = &cache_});
+  if (config_.ops_listen.empty()) return absl::OkStatus();
+  const auto not_ready = [this]() -> std::string {
+    if (draining_.stop_requested() || !ready_) return port_ == 0 ? "starting" : "draining";
+    return "";
+  };
+  absl::StatusOr<std::unique_ptr<OpsServer>> ops =
+      OpsServer::Start(config_.ops_listen, {.metrics = [this] { return metrics_.Text(); }, .not_ready = not_ready});
+  if (!ops.ok()) return ops.status();
+  ops_ = *std::move(ops);
+  return absl::OkStatus();
+}
+
+absl::Status WholeServer::OpenStore() {
+  absl::StatusOr<std::unique_ptr<ScanStore>> store =
+      ScanStore::Open(config_.data_dir, {.max_stored_bytes = limits_.max_stored_bytes,
+                                         .max_uploads = limits_.max_uploads,
+                                         .upload_lifetime = std::chrono::seconds(limits_.upload_lifetime_seconds)});
+  if (!store.ok()) return store.status();
+  store_ = *std::move(store);
+  AddStoreGauges(metrics_, *store_, limits_.max_stored_bytes, config_.data_dir);
+  for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", "scans/" + id}});
+  const StoreStatistics statistics = store_->Statistics();
+  logger_->Info("store_opened", {{"data_dir", config_.data_dir},
+                                 {"scans", static_cast<int64_t>(statistics.num_scans)},
+                                 {"uploads", static_cast<int64_t>(statistics.num_uploads)},
+                                 {"bytes", static_cast<int64_t>(statistics.stored_bytes)}});
+  return absl::OkStatus();
+}
+
+void WholeServer::AddServices(grpc::ServerBuilder& builder) {
+  registration_service_ = std::make_unique<RegistrationService>(RegistrationBackend{.calls = Calls(),
+                                                                                    .limits = limits_,
+                                                                                    .pool = &pool_,
+                                                                                    .memory = &memory_,
+                                                                                    .cache = &cache_,
+                                                                                    .store = store_.get()});
+  builder.RegisterService(registration_service_.get());
+  builder.RegisterService(&health_);
+  if (store_ == nullptr) return;
+  scan_service_ = std::make_unique<ScanService>(ScanBackend{.calls = Calls(),
+                                                            .limits = limits_,
+                                                            .disk_pool = &disk_pool_,
+                                                            .memory = &memory_,
+                                                            .cache = &cache_,
+                                                            .store = store_.get()});
+  builder.RegisterService(scan_service_.get());
+}
+
+absl::Status WholeServer::Listen() {
+  const absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeServerCredentials(config_.tls);
+  if (!credentials.ok()) return credentials.status();
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort(config_.listen, *credentials, &port_);
+  builder.SetMaxReceiveMessageSize(
+      static_cast<int>(std::max<uint64_t>(limits_.max_message_bytes, limits_.max_chunk_bytes + kMessageOverheadBytes)));
+  builder.SetMaxSendMessageSize(-1);
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // two servers on one port would share its calls
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, limits_.max_streams_per_connection);
+  // Pings find clients that vanished; clients may ping us as often as every 10 s.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
+  grpc::ResourceQuota quota("curvereg");
+  quota.Resize(static_cast<std::size_t>(std::max(kLeastQuotaBytes, limits_.memory_bytes)));
+  builder.SetResourceQuota(quota);
+  AddServices(builder);
+  grpc_server_ = builder.BuildAndStart();
+  if (grpc_server_ == nullptr || port_ == 0) {
+    return absl::UnavailableError(absl::StrCat("listen: cannot listen on ", config_.listen));
+  }
+  return absl::OkStatus();
+}
+
+std::shared_ptr<grpc::Channel> WholeServer::InProcessChannel() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);
+  arguments.SetMaxSendMessageSize(-1);
+  return grpc_server_->InProcessChannel(arguments);
+}
+
+void WholeServer::ExpireUploads(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock lock(mutex);
+  while (!stop.stop_requested()) {
+    const absl::StatusOr<int> expired = store_->ExpireUploads(std::chrono::system_clock::now());
+    if (!expired.ok()) {
+      logger_->Error("expiry_failed", {{"message", std::string(expired.status().message())}});
+    } else if (*expired > 0) {
+      logger_->Info("uploads_expired", {{"count", static_cast<int64_t>(*expired)}});
+    }
+    wake.wait_for(lock, stop, kExpiryInterval, [] { return false; });
+  }
+}
+
+void WholeServer::Shutdown(std::chrono::milliseconds grace) {
+  std::call_once(shut_down_, [&] {
+    const auto deadline = std::chrono::steady_clock::now() + grace;
+    ready_ = false;
+    health_.Drain();
+    std::this_thread::sleep_for(std::min(grace, std::chrono::milliseconds(config_.drain_delay_ms)));
+    draining_.request_stop();
+    health_.EndWatches();
+    const auto left = std::max(std::chrono::steady_clock::duration::zero(),
+                               deadline - std::chrono::steady_clock::now() - kCancellationMargin);
+    // Waits for the calls that run; those that are left at the deadline are cancelled, which reaches the core's loops.
+    if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + left);
+    pool_.Shutdown(std::chrono::steady_clock::now());
+    disk_pool_.Shutdown(std::chrono::steady_clock::now());
+    expiry_ = std::jthread();
+    ops_.reset();
+  });
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
+  if (absl::Status status = Validate(config); !status.ok()) return status;
+  auto server = std::make_unique<WholeServer>(config);
+  if (absl::Status status = server->Open(); !status.ok()) return status;
+  return server;
+}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::StartInProcess(const ServerConfig& config) {
+  ServerConfig own = config;
+  own.drain_delay_ms = 0;
+  // One user, who has the whole machine.
+  own.limits.max_scan_points = 50'000'000;
+  own.limits.max_scan_bytes = uint64_t{1} << 31;
+  auto server = std::make_unique<WholeServer>(own);
+  if (absl::Status status = server->OpenInProcess(); !status.ok()) return status;
+  return server;
+}
+
+}  // namespace curvereg::server

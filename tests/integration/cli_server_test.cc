@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The built command line against the built server: the same answers as alone, and errors that say what is wrong.
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/testing/server_process.h"
+#include "tests/testing/test_data.h"
+
+namespace curvereg {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct Finished {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+std::string ReadFile(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+class CliServerTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new testing::TemporaryFolder;
+    server_ = new testing::ServerProcess(CURVEREG_SERVER_EXECUTABLE, folder_->path(), {});
+    ASSERT_NE(server_->port(), 0);
+    ASSERT_EQ(Alone("simulate --preset sparse --scans 3 --seed 5 --out yard").status, 0);
+  }
+  static void TearDownTestSuite() {
+    delete server_;
+    delete folder_;
+  }
+  // Runs `curvereg ARGUMENTS` in the folder, with `environment` before it.
+  static Finished Alone(const std::string& arguments, const std::string& environment = "") {
+    const std::string& folder = folder_->path();
+    const std::string command =
+        "cd '" + folder + "' && " + environment + " '" CURVEREG_EXECUTABLE "' " + arguments + " >.out 2>.err";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder + "/.out"), ReadFile(folder + "/.err")};
+  }
+  static Finished Asking(const std::string& arguments) { return Alone(arguments + " --server " + server_->target()); }
+
+  static testing::TemporaryFolder* folder_;
+  static testing::ServerProcess* server_;
+};
+testing::TemporaryFolder* CliServerTest::folder_ = nullptr;
+testing::ServerProcess* CliServerTest::server_ = nullptr;
+
+TEST_F(CliServerTest, RegisterGivesTheSameAnswerAsAlone) {
+  const Finished alone = Alone("register yard/0001.pcd yard/0000.pcd --json");
+  const Finished asking = Asking("register yard/0001.pcd yard/0000.pcd --json");
+  EXPECT_EQ(alone.status, 0) << alone.err;
+  EXPECT_EQ(asking.status, 0) << asking.err;
+  const json a = json::parse(alone.out), b = json::parse(asking.out);
+  for (const char* key : {"T_target_source", "accepted", "covariance", "evidence", "source_digest", "options_digest"}) {
+    EXPECT_EQ(a[key], b[key]) << key;
+  }
+}
+
+TEST_F(CliServerTest, TheServerMayBeNamedInTheEnvironment) {
+  const Finished finished = Alone("status --json", "CURVEREG_SERVER=" + server_->target());
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_EQ(json::parse(finished.out)["serving"], true);
+}
+
+TEST_F(CliServerTest, StatusWorksWithoutAServer) {
+  const Finished finished = Alone("status");
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_THAT(finished.out, HasSubstr("curvelet"));
+}
+
+TEST_F(CliServerTest, AnUnreachableServerIsStatusFour) {
+  const Finished finished = Alone("status --server 127.0.0.1:1 --timeout 2");
+  EXPECT_EQ(finished.status, 4) << finished.err;
+  EXPECT_THAT(finished.out, IsEmpty());
+  EXPECT_THAT(finished.err, HasSubstr("127.0.0.1:1"));
+  EXPECT_EQ(Alone("register yard/0001.pcd yard/0000.pcd --server 127.0.0.1:1 --timeout 2").status, 4);
+}
+
+TEST_F(CliServerTest, ScansGoUpAndComeDownAndRegisterByName) {
+  const Finished up = Asking("scans upload yard/0000.pcd yard/0001.pcd --json");
+  ASSERT_EQ(up.status, 0) << up.err;
+  const json scans = json::parse(up.out)["scans"];
+  const std::string target = scans[0]["name"], source = scans[1]["name"];
+  EXPECT_THAT(Asking("scans list").out, HasSubstr(target));
+
+  const Finished registered = Asking("register " + source + " " + target + " --json --out-cloud merged.ply");
+  EXPECT_EQ(registered.status, 0) << registered.err;
+  const Finished alone = Alone("register yard/0001.pcd yard/0000.pcd --json");
+  EXPECT_EQ(json::parse(registered.out)["T_target_source"], json::parse(alone.out)["T_target_source"]);
+  EXPECT_TRUE(std::filesystem::exists(folder_->File("merged.ply")));
+
+  ASSERT_EQ(Asking("scans download " + target + " --out back.pcd").status, 0);
+  const Finished back = Alone("register yard/0001.pcd back.pcd --json");
+  EXPECT_EQ(json::parse(back.out)["target_digest"], json::parse(alone.out)["target_digest"]);
+
+  EXPECT_EQ(Asking("scans delete " + source + " " + target).status, 0);
+  EXPECT_EQ(Asking("register " + source + " " + target).status, 2);
+  EXPECT_EQ(Alone("scans list").status, 2) << "scans are kept by servers";
+}
+
+TEST_F(CliServerTest, InspectDrawsTheSamePicturesAsAlone) {
+  ASSERT_EQ(Alone("inspect yard/0000.pcd --out alone").status, 0);
+  const Finished asking = Asking("inspect yard/0000.pcd --out asked");
+  ASSERT_EQ(asking.status, 0) << asking.err;
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_->File("alone"))) {
+    ++count;
+    const std::string name = entry.path().filename();
+    EXPECT_EQ(ReadFile(entry.path()), ReadFile(folder_->File("asked/" + name))) << name;
+  }
+  EXPECT_GT(count, 5);
+}
+
+TEST_F(CliServerTest, EvaluateUsesTheServerAndLeavesNothingThere) {
+  const Finished alone = Alone("evaluate yard --out report-alone --json");
+  const Finished asking = Asking("evaluate yard --out report-asked --json");
+  ASSERT_EQ(alone.status, 0) << alone.err;
+  ASSERT_EQ(asking.status, 0) << asking.err;
+  const json a = json::parse(alone.out), b = json::parse(asking.out);
+  ASSERT_EQ(a["methods"][0]["pairs"].size(), b["methods"][0]["pairs"].size()) << asking.out;
+  EXPECT_THAT(Asking("scans list").out, IsEmpty());
+}
+
+TEST_F(CliServerTest, SimulateStoresItsScans) {
+  ASSERT_EQ(Asking("simulate --preset sparse --scans 2 --seed 9 --out stored").status, 0);
+  const Finished list = Asking("scans list --json");
+  EXPECT_EQ(json::parse(list.out)["scans"].size(), 2U);
+  for (const json& scan : json::parse(list.out)["scans"]) {
+    EXPECT_EQ(Asking("scans delete " + scan["name"].get<std::string>()).status, 0);
+  }
+}
+
+TEST_F(CliServerTest, WrongTlsArgumentsAreSaid) {
+  const Finished no_file = Alone("status --tls-ca nowhere.pem --server " + server_->target());
+  EXPECT_EQ(no_file.status, 2);
+  EXPECT_THAT(no_file.err, HasSubstr("nowhere.pem"));
+  EXPECT_EQ(Asking("status --tls --timeout 2").status, 4) << "the server speaks plain text";
+}
+
+}  // namespace
+}  // namespace curvereg
