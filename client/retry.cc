@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "client/retry.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "wire/error.h"
+#include "wire/status_mapping.h"
+
+namespace curvereg::internal {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+// RetryInfo's limit; no call waits as long.
+constexpr milliseconds kNeverAgain(int64_t{365} * 24 * 3600 * 1000);
+
+std::optional<milliseconds> PushbackOf(const grpc::ClientContext& context) {
+  const auto& trailers = context.GetServerTrailingMetadata();
+  const auto found = trailers.find("grpc-retry-pushback-ms");
+  if (found == trailers.end()) return std::nullopt;
+  int64_t value = 0;
+  // A value that is no number means "do not come back" (gRPC's A6).
+  const bool is_number = absl::SimpleAtoi(std::string(found->second.data(), found->second.size()), &value);
+  return is_number && value >= 0 ? std::min(milliseconds(value), kNeverAgain) : kNeverAgain;
+}
+
+}  // namespace
+
+absl::Status CallError(const grpc::Status& status, const grpc::ClientContext& context) {
+  absl::Status error = wire::FromGrpcStatus(status);
+  if (error.ok()) return error;
+  const std::optional<milliseconds> pushback = PushbackOf(context);
+  const bool is_final = pushback == kNeverAgain;
+  if (pushback && (is_final || !wire::RetryDelayOf(error))) return wire::WithRetryDelay(error, *pushback);
+  return error;
+}
+
+bool IsRetryable(const absl::Status& error) {
+  if (error.code() == absl::StatusCode::kUnavailable) return true;
+  return error.code() == absl::StatusCode::kResourceExhausted && wire::RetryDelayOf(error).has_value();
+}
+
+bool IsResumable(const absl::Status& error) {
+  if (IsRetryable(error)) return true;
+  const std::optional<v1::ErrorReason> reason = wire::ReasonOf(error);
+  if (reason == v1::ERROR_REASON_CHECKSUM_MISMATCH || reason == v1::ERROR_REASON_OFFSET_OUT_OF_RANGE) return true;
+  const bool is_broken = error.code() == absl::StatusCode::kInternal || error.code() == absl::StatusCode::kUnknown;
+  return is_broken && !wire::ErrorInfoOf(error).has_value();
+}
+
+std::optional<milliseconds> Backoff::NextDelay(const absl::Status& error, double jitter) {
+  if (++num_failures_ >= options_.max_attempts) return std::nullopt;
+  const double factor = 0.8 + 0.4 * jitter;
+  const auto drawn = std::chrono::duration_cast<milliseconds>(next_ * factor);
+  next_ = std::min(2 * next_, options_.max_backoff);
+  const std::optional<milliseconds> asked = wire::RetryDelayOf(error);
+  // Spread above the server's delay, or all that it sent away come back in the same instant.
+  return asked ? std::max(drawn, *asked + drawn / 4) : drawn;
+}
+
+void Backoff::Restart() {
+  next_ = options_.initial_backoff;
+  num_failures_ = 0;
+}
+
+absl::Status SleepFor(milliseconds delay, const Stop& stop) {
+  const Clock::time_point end = Clock::now() + delay;
+  if (stop.deadline && *stop.deadline < end) return absl::DeadlineExceededError("the next attempt would come too late");
+  std::mutex mutex;
+  std::condition_variable_any condition;
+  std::unique_lock lock(mutex);
+  condition.wait_until(lock, stop.cancellation, end, [] { return false; });
+  return stop.Cancelled() ? absl::CancelledError("cancelled by the caller") : absl::OkStatus();
+}
+
+Retrier::Retrier(Connection& connection, const Options& options)
+    : connection_(connection),
+      options_(options),
+      backoff_(connection.options().retry),
+      deadline_(Clock::now() + options.timeout) {}
+
+void Retrier::NoteProgress() {
+  backoff_.Restart();
+  deadline_ = Clock::now() + options_.timeout;
+}
+
+absl::Status Retrier::Run(const std::function<absl::Status(const std::shared_ptr<grpc::Channel>&)>& attempt) {
+  absl::Status last;
+  while (true) {
+    const absl::Status ready = connection_.AwaitReady(Now());
+    // What the server said last tells more than "no connection".
+    if (!ready.ok()) return last.ok() || absl::IsCancelled(ready) ? ready : last;
+    ++num_attempts_;
+    last = attempt(connection_.channel());
+    if (last.ok() || !options_.may_retry(last)) return last;
+    const std::optional<milliseconds> delay = backoff_.NextDelay(last, connection_.Jitter());
+    if (!delay) return last;
+    const absl::Status slept = SleepFor(*delay, Now());
+    if (!slept.ok()) return absl::IsCancelled(slept) ? slept : last;
+  }
+}
+
+absl::Status CallUnary(Connection& connection, const UnaryAttempt& attempt, const std::stop_token& cancellation) {
+  Retrier retrier(connection, {.cancellation = cancellation, .timeout = connection.options().call_timeout});
+  return retrier.Run([&](const std::shared_ptr<grpc::Channel>& channel) {
+    grpc::ClientContext context;
+    connection.Prepare(context);
+    const Clock::duration left = *retrier.Now().deadline - Clock::now();
+    context.set_deadline(std::chrono::system_clock::now() +
+                         std::chrono::duration_cast<std::chrono::system_clock::duration>(left));
+    const std::stop_callback cancel(cancellation, [&] { context.TryCancel(); });
+    return CallError(attempt(channel, &context), context);
+  });
+}
+
+}  // namespace curvereg::internal

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "client/upload.h"
+
+#include <algorithm>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "client/remote_scan.h"
+#include "client/retry.h"
+#include "client/upload_stream.h"
+#include "wire/digest.h"
+
+namespace curvereg::internal {
+namespace {
+
+// A name that nobody else has chosen: a UUID of version 4.
+std::string RandomUploadName() {
+  std::random_device device;
+  const auto draw = [&device](int num_bits) { return device() >> (32 - num_bits); };
+  return absl::StrFormat("uploads/%08x-%04x-4%03x-%04x-%04x%08x", draw(32), draw(16), draw(12), 0x8000U | draw(14),
+                         draw(16), draw(32));
+}
+
+absl::Status ValidateTransferOptions(const TransferOptions& options) {
+  if (options.chunk_bytes == 0) return absl::InvalidArgumentError("chunk_bytes must be above 0");
+  if (!(options.max_resend_share > 0.0 && options.max_resend_share <= 1.0)) {
+    return absl::InvalidArgumentError("max_resend_share must be above 0 and at most 1");
+  }
+  return absl::OkStatus();
+}
+
+TransferProgress ProgressOf(const UploadState& state, const UploadSource& source, int num_resumes) {
+  return {state.committed, source.payload->size(), state.bytes_resent, num_resumes};
+}
+
+class Upload {
+ public:
+  Upload(Connection& connection, UploadSource source, const TransferOptions& options)
+      : connection_(connection),
+        source_(std::move(source)),
+        options_(options),
+        retrier_(connection, {options.cancellation, connection.options().call_timeout, IsResumable}),
+        share_base_(source_.payload->size()) {}
+
+  absl::StatusOr<UploadOutcome> Run() {
+    const absl::Status status =
+        retrier_.Run([this](const std::shared_ptr<grpc::Channel>& channel) { return RunStream(channel); });
+    if (!status.ok()) return status;
+    return UploadOutcome{FromWire(state_.done->scan()), state_.done->already_stored(),
+                         ProgressOf(state_, source_, num_resumes())};
+  }
+
+ private:
+  int num_resumes() const { return retrier_.num_attempts() - 1; }
+
+  absl::Status RunStream(const std::shared_ptr<grpc::Channel>& channel) {
+    const ClientOptions& settings = connection_.options();
+    const UploadStream::Limits limits{.silence = settings.keepalive_interval + settings.keepalive_timeout,
+                                      .finish_silence = settings.call_timeout,
+                                      .cancellation = options_.cancellation};
+    UploadStream stream(source_, state_, {share_base_, options_.max_resend_share, options_.chunk_bytes});
+    const uint64_t before = state_.committed;
+    const absl::Status status =
+        stream.Run(connection_, channel, limits, [&](const UploadState& state) { Tell(state); });
+    state_ = stream.state();
+    // A link that is cut often may lose less at a time.
+    share_base_ = std::min(share_base_, state_.committed - std::min(before, state_.committed));
+    return status;
+  }
+
+  void Tell(const UploadState& state) {
+    if (state.committed > most_committed_) retrier_.NoteProgress();
+    most_committed_ = std::max(most_committed_, state.committed);
+    if (options_.progress) options_.progress(ProgressOf(state, source_, num_resumes()));
+  }
+
+  Connection& connection_;
+  const UploadSource source_;
+  const TransferOptions& options_;
+  Retrier retrier_;
+  UploadState state_;
+  uint64_t share_base_;
+  uint64_t most_committed_ = 0;
+};
+
+}  // namespace
+
+absl::StatusOr<UploadOutcome> UploadScan(Connection& connection, const curvereg::Scan& scan,
+                                         const TransferOptions& options) {
+  if (absl::Status status = ValidateTransferOptions(options); !status.ok()) return status;
+  absl::StatusOr<v1::PointCloud> cloud = EncodeFor(options.encoding, scan);
+  if (!cloud.ok()) return cloud.status();
+  UploadSource source;
+  source.payload = std::shared_ptr<const std::string>(cloud->release_data());
+  source.start.set_upload(RandomUploadName());
+  *source.start.mutable_header() = cloud->header();
+  source.start.mutable_header()->set_frame_id(options.frame_id);
+  source.start.set_payload_bytes(source.payload->size());
+  *source.start.mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, *source.payload);
+  return Upload(connection, std::move(source), options).Run();
+}
+
+}  // namespace curvereg::internal
