@@ -61,12 +61,17 @@ struct FoxglovePointCloud {
   friend bool operator==(const FoxglovePointCloud&, const FoxglovePointCloud&) = default;
 };
 
-// INVALID_FIELD: big-endian data, unknown types, sizes that do not agree.
+// A stamp of zero is an unknown time. foxglove's pose is t_world_sensor, absent for the identity: frame_id names the
+// frame that the pose is in. ROS has no place for a pose, neither has one for gravity; they stay behind.
+
+// INVALID_FIELD: big-endian data, sizes that do not agree, and what makes a header invalid ("header.layout.fields",
+// ...).
 absl::StatusOr<v1::PointCloud> FromRos(const RosPointCloud2& message);
 absl::StatusOr<v1::PointCloud> FromFoxglove(const FoxglovePointCloud& message);
 
-// Clouds of every encoding; those that are not RAW are decoded first. Errors of DecodeScan. foxglove has neither rows
-// nor fields of several numbers: INVALID_FIELD where the layout pads rows; a field of count n becomes n fields name_i.
+// Clouds of every encoding; those that are not RAW are decoded first, within the default PointLimits. Errors of
+// DecodeScan. foxglove has neither rows nor fields of several numbers: INVALID_FIELD where the layout pads rows; a
+// field of count n becomes n fields name_i. INVALID_FIELD, too, where a time or a size does not fit 32 bits of ROS.
 absl::StatusOr<RosPointCloud2> ToRos(const v1::PointCloud& cloud);
 absl::StatusOr<FoxglovePointCloud> ToFoxglove(const v1::PointCloud& cloud);
 
