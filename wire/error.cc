@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wire/error.h"
 
+#include <algorithm>
+#include <cstdint>
+
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 
@@ -152,7 +155,11 @@ std::optional<google::rpc::BadRequest> BadRequestOf(const absl::Status& status) 
 std::optional<std::chrono::milliseconds> RetryDelayOf(const absl::Status& status) {
   const auto info = DetailOf<google::rpc::RetryInfo>(status);
   if (!info.has_value()) return std::nullopt;
-  return std::chrono::milliseconds(info->retry_delay().seconds() * 1000 + info->retry_delay().nanos() / 1'000'000);
+  // Bounded, for it is the other side that says it: nobody waits longer than a day, or less than nothing.
+  constexpr int64_t kMaxSeconds = 24 * 3600;
+  const int64_t seconds = std::clamp<int64_t>(info->retry_delay().seconds(), 0, kMaxSeconds);
+  const int32_t nanos = std::clamp(info->retry_delay().nanos(), 0, 999'999'999);
+  return std::chrono::milliseconds(seconds * 1000 + nanos / 1'000'000);
 }
 
 }  // namespace curvereg::wire

@@ -79,6 +79,21 @@ TEST(ErrorTest, RetryDelaysComeBack) {
   EXPECT_EQ(RetryDelayOf(MakeError(v1::ERROR_REASON_INTERNAL, "")), std::nullopt);
 }
 
+TEST(ErrorTest, RetryDelaysBeyondReasonAreBounded) {
+  const auto delay_of = [](int64_t seconds, int32_t nanos) {
+    google::rpc::RetryInfo info;
+    info.mutable_retry_delay()->set_seconds(seconds);
+    info.mutable_retry_delay()->set_nanos(nanos);
+    absl::Status error = absl::ResourceExhaustedError("busy");
+    error.SetPayload("type.googleapis.com/google.rpc.RetryInfo", absl::Cord(info.SerializeAsString()));
+    return RetryDelayOf(error);
+  };
+  EXPECT_EQ(delay_of(INT64_MAX, 0), std::chrono::hours(24));
+  EXPECT_EQ(delay_of(INT64_MIN, 0), milliseconds(0));
+  EXPECT_EQ(delay_of(1, -500'000'000), milliseconds(1000));
+  EXPECT_EQ(delay_of(0, INT32_MAX), milliseconds(999));
+}
+
 TEST(ErrorTest, PlainErrorsCarryNothing) {
   const absl::Status plain = absl::InvalidArgumentError("too few points");
   EXPECT_FALSE(ErrorInfoOf(plain).has_value());
