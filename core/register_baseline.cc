@@ -12,6 +12,8 @@ namespace curvereg {
 
 #ifdef CURVEREG_HAS_BASELINES
 
+bool HasBaselines() { return true; }
+
 absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan& source, const Scan& target,
                                                     const RegistrationOptions& options, const Stop& stop) {
   BaselineOptions baseline_options;
@@ -45,6 +47,8 @@ absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan& source, const Sc
 }
 
 #else
+
+bool HasBaselines() { return false; }
 
 absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan&, const Scan&, const RegistrationOptions& options,
                                                     const Stop&) {

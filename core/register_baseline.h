@@ -13,6 +13,9 @@
 
 namespace curvereg {
 
+// False: this build is one without PCL.
+bool HasBaselines();
+
 // Precondition: options.method is kFpfhSacIa or kHarris3dFpfh. Errors as RegisterScans; UNIMPLEMENTED in a build
 // without PCL.
 absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan& source, const Scan& target,

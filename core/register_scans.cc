@@ -65,10 +65,11 @@ int64_t CountFinite(const Scan& scan) {
 }
 
 Stop MakeStop(const RegistrationOptions& options, Clock::time_point start) {
-  Stop stop{options.cancellation, std::nullopt};
+  Stop stop{options.cancellation, options.deadline};
   if (options.time_budget_s.has_value()) {
-    stop.deadline = start + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double>(std::min(*options.time_budget_s, 1e6)));
+    const Clock::time_point end = start + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(std::min(*options.time_budget_s, 1e6)));
+    stop.deadline = std::min(end, options.deadline.value_or(end));
   }
   return stop;
 }
@@ -143,6 +144,19 @@ absl::StatusOr<RegistrationResult> RunWithin(const RegistrationOptions& options,
 }
 
 }  // namespace
+
+RegistrationResult OutOfTimeResult(const RegistrationOptions& options) {
+  RegistrationResult result;
+  result.verdict.reasons = {Reason::kDeadline};
+  result.seed = options.seed;
+  result.options_digest = OptionsDigest(options);
+  result.build_id = BuildId();
+  return result;
+}
+
+bool IsAvailable(Method method) {
+  return (method != Method::kFpfhSacIa && method != Method::kHarris3dFpfh) || HasBaselines();
+}
 
 std::string BuildId() { return absl::StrCat("curvereg ", CURVEREG_VERSION, " (", __VERSION__, ")"); }
 

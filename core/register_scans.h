@@ -27,6 +27,13 @@ absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan&
 absl::StatusOr<RegistrationResult> RegisterPreparedScans(const PreparedScan& source, const PreparedScan& target,
                                                          const RegistrationOptions& options = {});
 
+// What RegisterScans answers when time runs out before it has looked at the scans: no pose, Reason::kDeadline. Counts
+// and digests of the scans are left to the caller.
+RegistrationResult OutOfTimeResult(const RegistrationOptions& options);
+
+// False: RegisterScans answers UNIMPLEMENTED, for this build leaves the method out.
+bool IsAvailable(Method method);
+
 // Name, version and compiler of this build.
 std::string BuildId();
 

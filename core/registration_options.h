@@ -5,6 +5,7 @@
 #ifndef CURVEREG_CORE_REGISTRATION_OPTIONS_H_
 #define CURVEREG_CORE_REGISTRATION_OPTIONS_H_
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -43,6 +44,8 @@ struct RegistrationOptions {
   int num_threads = 0;                  // most threads to use; 0: one per processor
   std::optional<double> time_budget_s;  // at its end: the best pose so far, marked with Reason::kDeadline
   std::stop_token cancellation;         // at its request: absl::CancelledError
+  // The same as the end of the time budget, whichever is nearer; of the call, so it is not part of the digest.
+  std::optional<std::chrono::steady_clock::time_point> deadline;
   ScanLimits limits;
 };
 

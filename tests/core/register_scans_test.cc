@@ -284,5 +284,37 @@ TEST(RegisterScansTest, SameBytesAtAnyThreadCount) {
   }
 }
 
+TEST(RegisterScansTest, ADeadlineOfTheCallEndsTheSearchAndLeavesTheDigestAlone) {
+  RegistrationOptions options;
+  const auto free = RegisterScans(NearPair().source, NearPair().target, options);
+  ASSERT_THAT(free, IsOk());
+  options.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
+  const auto late = RegisterScans(NearPair().source, NearPair().target, options);
+  ASSERT_THAT(late, IsOk());
+  EXPECT_THAT(late->verdict.reasons, Contains(Reason::kDeadline));
+  EXPECT_FALSE(late->has_pose);
+  EXPECT_EQ(late->options_digest, free->options_digest);
+  const RegistrationResult out_of_time = OutOfTimeResult(options);
+  EXPECT_EQ(out_of_time.options_digest, free->options_digest);
+  EXPECT_EQ(out_of_time.build_id, free->build_id);
+  EXPECT_EQ(out_of_time.seed, free->seed);
+
+  options.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  options.time_budget_s = 1e-9;  // the nearer of the two counts
+  const auto short_of_budget = RegisterScans(NearPair().source, NearPair().target, options);
+  ASSERT_THAT(short_of_budget, IsOk());
+  EXPECT_THAT(short_of_budget->verdict.reasons, Contains(Reason::kDeadline));
+}
+
+TEST(RegisterScansTest, TellsWhichMethodsThisBuildHas) {
+  for (const Method method : AllMethods()) {
+    RegistrationOptions options;
+    options.method = method;
+    options.time_budget_s = 1e-9;
+    const auto result = RegisterScans(NearPair().source, NearPair().target, options);
+    EXPECT_EQ(absl::IsUnimplemented(result.status()), !IsAvailable(method)) << MethodName(method);
+  }
+}
+
 }  // namespace
 }  // namespace curvereg
