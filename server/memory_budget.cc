@@ -14,7 +14,12 @@ namespace {
 // Memory comes back when a registration ends, and those take tens to hundreds of milliseconds.
 constexpr std::chrono::milliseconds kRetryDelay{250};
 
+constexpr uint64_t kBytesPerScan = uint64_t{24} << 20;
+constexpr uint64_t kBytesPerPoint = 384;
+
 }  // namespace
+
+uint64_t PreparationBytes(uint64_t num_points) { return kBytesPerScan + kBytesPerPoint * num_points; }
 
 MemoryBudget::Reservation::~Reservation() {
   if (budget_ != nullptr) budget_->reserved_bytes_.fetch_sub(bytes_);

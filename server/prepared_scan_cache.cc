@@ -158,6 +158,13 @@ absl::StatusOr<ScanPointer> PreparedScanCache::Get(const std::string& name, cons
   }
 }
 
+ScanPointer PreparedScanCache::Find(const std::string& name) {
+  const State::Lock lock(state_->mutex);
+  ScanPointer scan = state_->Find(name);
+  if (scan != nullptr) ++state_->statistics.num_hits;
+  return scan;
+}
+
 void PreparedScanCache::Erase(const std::string& name) {
   std::vector<ScanPointer> removed;
   const State::Lock lock(state_->mutex);

@@ -37,6 +37,9 @@ class PreparedScanCache {
   // given out but not kept. Errors: those of `load`; CANCELLED / DEADLINE_EXCEEDED by `stop` while waiting.
   absl::StatusOr<std::shared_ptr<const PreparedScan>> Get(const std::string& name, const Loader& load,
                                                           const Stop& stop);
+  // The prepared scan of this name if it is there, else null. Counts as a hit, or not at all.
+  std::shared_ptr<const PreparedScan> Find(const std::string& name);
+
   // Forgets it; those who hold it keep it.
   void Erase(const std::string& name);
 
