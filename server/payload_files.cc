@@ -19,11 +19,8 @@
 namespace curvereg::server {
 namespace {
 
-constexpr int kNumFolders = 256;
 constexpr std::size_t kDigestBytes = 16;
 constexpr uint64_t kReadBytes = uint64_t{1} << 20;
-
-std::string FolderName(int index) { return wire::HexText(std::string(1, static_cast<char>(index))); }
 
 bool IsHex(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
@@ -47,19 +44,16 @@ std::string PayloadFiles::PathOf(const std::string& digest) const {
   return FolderOf(digest) + "/" + wire::HexText(digest);
 }
 
-absl::Status PayloadFiles::Prepare() {
-  absl::Status status = MakeFolder(folder_);
-  for (int i = 0; i < kNumFolders && status.ok(); ++i) status = MakeFolder(folder_ + "/" + FolderName(i));
-  return status.ok() ? SyncFolder(folder_) : status;
-}
-
 absl::StatusOr<std::vector<std::string>> PayloadFiles::List() const {
+  const absl::StatusOr<std::vector<std::string>> folders = ListFolder(folder_);
+  if (!folders.ok()) return folders.status();
   std::vector<std::string> digests;
-  for (int i = 0; i < kNumFolders; ++i) {
-    const absl::StatusOr<std::vector<std::string>> names = ListFolder(folder_ + "/" + FolderName(i));
+  for (const std::string& folder : *folders) {
+    if (folder.size() != 2 || !IsHex(folder)) continue;
+    const absl::StatusOr<std::vector<std::string>> names = ListFolder(folder_ + "/" + folder);
     if (!names.ok()) return names.status();
     for (const std::string& name : *names) {
-      if (name.size() == 2 * kDigestBytes && IsHex(name) && name.starts_with(FolderName(i))) {
+      if (name.size() == 2 * kDigestBytes && IsHex(name) && name.starts_with(folder)) {
         digests.push_back(absl::HexStringToBytes(name));
       }
     }
@@ -95,7 +89,13 @@ absl::Status PayloadFiles::Add(const std::string& digest, const std::string& sou
   if (replace) {
     if (absl::Status status = RemoveFile(path); !status.ok()) return status;
   }
-  const int error_number = LinkOrRename(source, path);
+  int error_number = LinkOrRename(source, path);
+  if (error_number == ENOENT) {  // the first in its folder
+    absl::Status status = MakeFolder(FolderOf(digest));
+    if (status.ok()) status = SyncFolder(folder_);
+    if (!status.ok()) return status;
+    error_number = LinkOrRename(source, path);
+  }
   if (error_number != 0 && error_number != EEXIST) return FileError(path, "cannot create", error_number);
   return SyncFolder(FolderOf(digest));
 }

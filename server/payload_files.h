@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Payloads on disk: one file for each, named by the XXH3_128 digest of its bytes, in 256 folders by the first byte.
+// Payloads on disk: one file for each, named by the XXH3_128 digest of its bytes, in folders by the first byte.
 // Files never change once they have their name. Safe to use from several threads as long as Add and Remove of one
 // digest are not called at once.
 #ifndef CURVEREG_SERVER_PAYLOAD_FILES_H_
@@ -19,10 +19,9 @@ namespace curvereg::server {
 // Digests are the 16 raw bytes.
 class PayloadFiles {
  public:
+  // `folder` exists.
   explicit PayloadFiles(std::string folder) : folder_(std::move(folder)) {}
 
-  // Makes the folders; later calls need them.
-  absl::Status Prepare();
   // Digests of all files that are named like payloads.
   absl::StatusOr<std::vector<std::string>> List() const;
 

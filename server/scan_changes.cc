@@ -18,7 +18,7 @@ absl::StatusOr<UploadWriter::Committed> ScanStoreImpl::CommitUpload(Upload& uplo
   }
   if (absl::Status status = file.SyncData(); !status.ok()) {
     // The kernel may have dropped bytes and would not say so again: none of them can be relied on.
-    static_cast<void>(uploads_.Drop(upload));
+    uploads_.Drop(upload);
     return status;
   }
   // Reading what is there already takes long, so it is done before others have to wait.
@@ -38,8 +38,7 @@ absl::StatusOr<UploadWriter::Committed> ScanStoreImpl::AddScan(Upload& upload, S
   absl::Status status = folder_.payloads.Add(digest, source, state == PayloadFiles::State::kDamaged);
   if (!status.ok()) return status;
   if (known->has_value()) {
-    // The scan is there whatever becomes of the upload's row.
-    if (!uploads_.Drop(upload).ok()) uploads_.End(upload);
+    uploads_.Drop(upload);
   } else {
     status = folder_.catalog->AddScan(scan, upload.description.id);
     if (!status.ok()) {
@@ -65,13 +64,19 @@ absl::Status ScanStoreImpl::DeleteScan(const std::string& scan_id) {
   const std::string& digest = scan->payload_digest.value();
   const absl::StatusOr<std::vector<std::string>> sharing = folder_.catalog->ScansWithPayload(digest);
   if (!sharing.ok()) return sharing.status();
-  if (absl::Status status = folder_.catalog->RemoveScan(scan_id); !status.ok()) return status;
+  absl::Status status = folder_.catalog->RemoveScan(scan_id);
+  if (wire::ReasonOf(status) == v1::ERROR_REASON_STORAGE_FULL) {
+    folder_.spare.GiveUp();
+    status = folder_.catalog->RemoveScan(scan_id);
+  }
+  if (!status.ok()) return status;
   --num_scans_;
   if (sharing->size() == 1) {
     // A file that stays behind is removed at the next start.
     static_cast<void>(folder_.payloads.Remove(digest));
     space_.RemovePayload(scan->payload_bytes);
   }
+  folder_.spare.Take();
   const std::lock_guard damaged_lock(damaged_mutex_);
   damaged_.erase(scan_id);
   return absl::OkStatus();

@@ -21,6 +21,7 @@ namespace {
 constexpr char kLockName[] = "/lock";
 constexpr char kDatabaseName[] = "/curvereg.db";
 constexpr char kPayloadsName[] = "/payloads";
+constexpr char kSpareName[] = "/spare";
 constexpr char kUploadsName[] = "/uploads";
 constexpr int kMaxPageSize = 1000;
 constexpr int64_t kNewest = std::numeric_limits<int64_t>::max();
@@ -39,12 +40,12 @@ absl::StatusOr<StoreFolder> OpenFolder(const std::string& path) {
   const absl::StatusOr<bool> is_locked = lock->TryLock();
   if (!is_locked.ok()) return is_locked.status();
   if (!*is_locked) return absl::FailedPreconditionError("another process has the data folder");
-  PayloadFiles payloads(path + kPayloadsName);
-  absl::Status status = payloads.Prepare();
+  absl::Status status = MakeFolder(path + kPayloadsName);
   if (status.ok()) status = MakeFolder(path + kUploadsName);
   if (status.ok()) status = SyncFolder(path);
   if (!status.ok()) return status;
-  return StoreFolder{path, *std::move(lock), std::move(payloads), nullptr};
+  return StoreFolder{path, *std::move(lock), PayloadFiles(path + kPayloadsName), SpareSpace(path + kSpareName),
+                     nullptr};
 }
 
 }  // namespace
@@ -58,8 +59,13 @@ absl::StatusOr<std::unique_ptr<ScanStore>> ScanStore::Open(const std::string& fo
   const absl::StatusOr<std::vector<std::string>> payloads = opened->payloads.List();
   if (!payloads.ok()) return within_folder(payloads.status());
   absl::StatusOr<std::unique_ptr<ScanCatalog>> catalog = ScanCatalog::Open(folder + kDatabaseName, payloads->empty());
+  if (absl::IsResourceExhausted(catalog.status())) {  // a full disk must not keep anybody from deleting
+    opened->spare.GiveUp();
+    catalog = ScanCatalog::Open(folder + kDatabaseName, payloads->empty());
+  }
   if (!catalog.ok()) return catalog.status();
   opened->catalog = *std::move(catalog);
+  opened->spare.Take();
   auto store = std::make_unique<ScanStoreImpl>(*std::move(opened), options);
   if (absl::Status status = store->LookOver(); !status.ok()) return within_folder(status);
   return store;

@@ -17,6 +17,7 @@
 #include "server/payload_files.h"
 #include "server/scan_catalog.h"
 #include "server/scan_store.h"
+#include "server/spare_space.h"
 #include "server/store_file.h"
 #include "server/store_space.h"
 #include "server/upload_table.h"
@@ -28,6 +29,7 @@ struct StoreFolder {
   std::string path;
   StoreFile lock;
   PayloadFiles payloads;
+  SpareSpace spare;
   std::unique_ptr<ScanCatalog> catalog;
 };
 

@@ -93,6 +93,11 @@ absl::Status StoreFile::Truncate(uint64_t size) {
   return absl::OkStatus();
 }
 
+absl::Status StoreFile::Allocate(uint64_t size) {
+  const int error_number = posix_fallocate(fd_, 0, static_cast<off_t>(size));
+  return error_number == 0 ? absl::OkStatus() : FileError(path_, "cannot take space", error_number);
+}
+
 void StoreFile::StartWriteback(uint64_t offset, uint64_t size) {
   // Only advice: SyncData reports what goes wrong.
   static_cast<void>(sync_file_range(fd_, static_cast<off_t>(offset), static_cast<off_t>(size), SYNC_FILE_RANGE_WRITE));

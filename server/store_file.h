@@ -36,6 +36,8 @@ class StoreFile {
   // Fewer than `size` at the end of the file.
   absl::StatusOr<std::string> ReadAt(uint64_t offset, uint64_t size) const;
   absl::Status Truncate(uint64_t size);
+  // Makes it this long and takes the space on disk for it.
+  absl::Status Allocate(uint64_t size);
   // Asks the kernel to begin writing these bytes to disk, so that SyncData has less to wait for.
   void StartWriteback(uint64_t offset, uint64_t size);
   absl::Status SyncData();

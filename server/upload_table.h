@@ -60,7 +60,7 @@ class UploadTable {
   // Forgets the upload, whose row is gone already.
   void End(Upload& upload);
   // Forgets row and upload.
-  absl::Status Drop(Upload& upload);
+  void Drop(Upload& upload);
 
   std::string PathOf(const std::string& upload_id) const { return folder_ + "/" + upload_id; }
   uint64_t num_uploads() const;

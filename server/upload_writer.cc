@@ -84,7 +84,8 @@ class UploadWriterImpl final : public UploadWriter {
   absl::Status Discard() override {
     const std::lock_guard lock(upload_.mutex);
     if (absl::Status status = CheckGrant(); !status.ok()) return status;
-    return store_.uploads().Drop(upload_);
+    store_.uploads().Drop(upload_);
+    return absl::OkStatus();
   }
 
  private:
