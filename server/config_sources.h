@@ -37,9 +37,9 @@ struct FlagValue {
 absl::Status ApplyFlags(const std::vector<FlagValue>& flags, ServerConfig& config);
 
 struct ConfigSources {
-  std::string toml_file;  // empty: as kConfigVariable says; that empty too: none
-  Environment environment;
-  std::vector<FlagValue> flags;
+  std::string toml_file{};  // empty: as kConfigVariable says; that empty too: none
+  Environment environment{};
+  std::vector<FlagValue> flags{};
 };
 
 // All sources in order, then Validate. Also the errors of reading the file, with its name.

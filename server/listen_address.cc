@@ -37,7 +37,8 @@ absl::StatusOr<ListenAddress> ParseListenAddress(std::string_view text) {
   const bool has_brackets = host.size() > 2 && host.front() == '[' && host.back() == ']';
   if (has_brackets) host = host.substr(1, host.size() - 2);
   if (host.empty()) return malformed("the host is missing; 0.0.0.0 or [::] is every address");
-  if (!has_brackets && host.find(':') != std::string_view::npos) return malformed("IPv6 addresses stand in brackets");
+  if (!has_brackets && host.find_first_of(":[]") != std::string_view::npos)
+    return malformed("IPv6 addresses stand in brackets");
   address.host = host;
   address.is_loopback = IsLoopback(address.host);
   return address;

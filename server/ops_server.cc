@@ -3,9 +3,14 @@
 #include "server/ops_server.h"
 
 #include <civetweb.h>
+#include <netdb.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -14,6 +19,7 @@
 namespace curvereg::server {
 namespace {
 
+constexpr std::chrono::milliseconds kWakeInterval{20};
 constexpr char kPlainText[] = "text/plain; charset=utf-8";
 constexpr char kMetricsText[] = "text/plain; version=0.0.4; charset=utf-8";
 
@@ -69,15 +75,36 @@ int BeginRequest(mg_connection* connection) {
   return answer.status;
 }
 
+// Connects to the port and leaves: civetweb notices that it is to stop only when its poll of up to 2 s ends.
+void WakeUp(const std::string& host, int port) {
+  addrinfo hints{};
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* address = nullptr;
+  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &address) != 0) return;
+  const int fd = socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (fd >= 0) {
+    static_cast<void>(connect(fd, address->ai_addr, address->ai_addrlen));
+    close(fd);
+  }
+  freeaddrinfo(address);
+}
+
 int DropLogMessage(const mg_connection* /*connection*/, const char* /*message*/) { return 1; }
 
 }  // namespace
 
 struct OpsServer::State {
   ~State() {
-    if (context != nullptr) mg_stop(context);
+    if (context == nullptr) return;
+    const std::jthread waker([this](const std::stop_token& stopped) {
+      for (; !stopped.stop_requested(); std::this_thread::sleep_for(kWakeInterval)) WakeUp(host, port);
+    });
+    mg_stop(context);
   }
   OpsSources sources;
+  std::string host;  // numeric; an address that stands for all is also one to connect to
+  int port = 0;      // bound
   mg_context* context = nullptr;
 };
 
@@ -85,7 +112,8 @@ absl::StatusOr<std::unique_ptr<OpsServer>> OpsServer::Start(const std::string& l
   const absl::StatusOr<ListenAddress> address = ParseListenAddress(listen);
   if (!address.ok()) return address.status();
   // civetweb takes addresses, not names.
-  const std::string ports = address->host == "localhost" ? absl::StrCat("127.0.0.1:", address->port) : listen;
+  const bool is_name = address->host == "localhost";
+  const std::string ports = is_name ? absl::StrCat("127.0.0.1:", address->port) : listen;
   const std::array<const char*, 15> options = {"listening_ports",
                                                ports.c_str(),
                                                "num_threads",
@@ -103,6 +131,7 @@ absl::StatusOr<std::unique_ptr<OpsServer>> OpsServer::Start(const std::string& l
                                                nullptr};
   auto state = std::make_unique<State>();
   state->sources = sources;
+  state->host = is_name ? "127.0.0.1" : address->host;
   mg_callbacks callbacks{};
   callbacks.begin_request = BeginRequest;
   callbacks.log_message = DropLogMessage;
@@ -111,12 +140,14 @@ absl::StatusOr<std::unique_ptr<OpsServer>> OpsServer::Start(const std::string& l
   if (state->context == nullptr || mg_get_server_ports(state->context, 1, &bound) != 1) {
     return absl::UnavailableError("cannot listen on " + listen);
   }
-  auto server = std::unique_ptr<OpsServer>(new OpsServer(std::move(state)));
-  server->port_ = bound.port;
-  return server;
+  state->port = bound.port;
+  return std::unique_ptr<OpsServer>(new OpsServer(std::move(state)));
 }
 
 OpsServer::OpsServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+int OpsServer::port() const { return state_->port; }
+
 OpsServer::~OpsServer() = default;
 
 }  // namespace curvereg::server

@@ -28,13 +28,12 @@ class OpsServer {
   OpsServer(const OpsServer&) = delete;
   OpsServer& operator=(const OpsServer&) = delete;
 
-  int port() const { return port_; }  // bound
+  int port() const;  // bound
 
  private:
   struct State;
   explicit OpsServer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
-  int port_ = 0;
 };
 
 }  // namespace curvereg::server
