@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <limits>
+#include <sstream>
 
 #include "absl/status/status.h"
 #include "absl/strings/ascii.h"
@@ -65,11 +65,10 @@ absl::Status ValidateToken(std::string_view target, const ClientOptions& options
 
 absl::StatusOr<std::string> ReadPem(const std::string& option, const std::string& path) {
   if (path.empty()) return std::string();
-  std::ifstream file(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file.good() && !file.eof()) return OptionError(absl::StrCat("tls.", option, ": cannot read ", path));
-  if (text.empty()) return OptionError(absl::StrCat("tls.", option, ": cannot read ", path, ", or it is empty"));
-  return text;
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  if (text.str().empty()) return OptionError(absl::StrCat("tls.", option, ": cannot read ", path, ", or it is empty"));
+  return text.str();
 }
 
 int Milliseconds(std::chrono::milliseconds time) {

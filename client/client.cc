@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/connection.h"
 #include "client/download.h"
 #include "client/remote_scan.h"
@@ -69,7 +70,10 @@ class ConnectedClient final : public Client {
         options.cancellation);
     if (!status.ok()) return status;
     if (!response.has_result()) return absl::InternalError("the server answered a registration without a result");
-    return wire::FromWire(response.result());
+    absl::StatusOr<RegistrationResult> result = wire::FromWire(response.result());
+    // Not the caller's fault, as the error of the conversion would have it.
+    if (!result.ok()) return absl::InternalError(absl::StrCat("the server's result: ", result.status().ToString()));
+    return result;
   }
 
   absl::StatusOr<RemotePictures> RenderScan(const ScanReference& scan, int num_threads,
