@@ -57,9 +57,11 @@ class Documents(unittest.TestCase):
         fields = re.findall(r"(\w+) = ", section.group(1))
         self.assertEqual(names(row[0] for row in rows("Limits")), [f"limits.{field}" for field in fields])
         reasons = {names([row[0]])[0] for row in rows("Errors")}
+        tests = sources("tests/server")
         for row in rows("Limits"):
             for reason in re.findall(r"`([A-Z_]{5,})`", row[1]):
                 self.assertIn(reason, reasons)
+                self.assertRegex(tests, f"ERROR_REASON_{reason}\\b|\"{reason}\"", "no test goes beyond this limit")
 
     def test_log_events(self):
         logged = set(re.findall(r'\b[Ll]ogger_?\)?(?:\.|->)(?:Debug|Info|Warning|Error)\("(\w+)"', sources("server")))
