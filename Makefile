@@ -28,8 +28,8 @@ test: deps build ## Build and run every test
 bench: build ## Run the benchmarks; what they print is kept in out/bench
 	scripts/bench.sh build/release/bench out/bench
 
-fuzz: ## Fuzz every file reader for FUZZ_SECONDS (60) each; needs clang
-	@scripts/install_dependencies.sh build fuzz
+fuzz: ## Fuzz every file reader and message decoder for FUZZ_SECONDS (60) each; needs clang
+	@scripts/install_dependencies.sh build server fuzz
 	cmake --preset fuzz
 	cmake --build --preset fuzz -j $(JOBS) --target fuzzers
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)

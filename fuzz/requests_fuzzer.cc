@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any bytes as any message of the services, through the decoding and validation that the server (and, of answers, the
+// client) does. The first byte picks the message, the rest is what came on the wire; an upload is a row of messages,
+// each after its length in two bytes.
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+
+#include "curvereg/v1/registration_service.pb.h"
+#include "curvereg/v1/scan_service.pb.h"
+#include "fuzz/memory_scan_store.h"
+#include "server/memory_budget.h"
+#include "server/metrics.h"
+#include "server/page_token.h"
+#include "server/prepared_scan_cache.h"
+#include "server/registration_service.h"
+#include "server/scan_conversion.h"
+#include "server/scan_side.h"
+#include "server/server_config.h"
+#include "server/upload_session.h"
+#include "wire/conversion.h"
+#include "wire/digest.h"
+#include "wire/error.h"
+#include "wire/status_mapping.h"
+
+namespace curvereg::server {
+namespace {
+
+// Small enough that no input takes long, large enough that every limit can be met and passed.
+LimitsConfig FuzzLimits() {
+  LimitsConfig limits;
+  limits.max_scan_points = 100'000;
+  limits.max_scan_bytes = uint64_t{1} << 20;
+  limits.max_chunk_bytes = 4096;
+  return limits;
+}
+
+void Require(bool condition) {
+  if (!condition) std::abort();
+}
+
+// Whatever came, it is the caller's fault, said with a reason, and where a field is to blame the field is named.
+void CheckError(const absl::Status& status) {
+  if (status.ok()) return;
+  const std::optional<v1::ErrorReason> reason = wire::ReasonOf(status);
+  Require(reason.has_value() && *reason != v1::ERROR_REASON_INTERNAL && *reason != v1::ERROR_REASON_UNSPECIFIED);
+  Require(!status.message().empty() && status.code() == wire::ReasonCode(*reason));
+  const auto bad_request = wire::BadRequestOf(status);
+  Require((*reason == v1::ERROR_REASON_INVALID_FIELD) == bad_request.has_value());
+  if (bad_request.has_value()) Require(!bad_request->field_violations(0).field().empty());
+  Require(wire::ReasonOf(wire::FromGrpcStatus(wire::ToGrpcStatus(status, "id"))) == reason);
+}
+
+void CheckInput(const v1::ScanInput& input, const std::string& field) {
+  MemoryScanStore store;
+  PreparedScanCache cache(uint64_t{1} << 20);
+  RegistrationBackend backend;
+  backend.limits = FuzzLimits();
+  backend.cache = &cache;
+  backend.store = &store;
+  const absl::StatusOr<ScanSide> side = ScanSide::Find(input, field, backend);
+  CheckError(side.status());
+  if (const auto bad_request = wire::BadRequestOf(side.status()); bad_request.has_value()) {
+    Require(bad_request->field_violations(0).field().rfind(field, 0) == 0);
+  }
+  if (!side.ok()) return;
+  Require(side->MemoryBytes() > 0);
+  const absl::StatusOr<std::shared_ptr<const Scan>> scan = side->Decode();
+  CheckError(scan.status());
+  if (scan.ok()) Require((*scan)->points.size() == input.inline_scan().header().point_count());
+}
+
+void CheckOptions(const v1::RegistrationOptions& message) {
+  const absl::StatusOr<RegistrationOptions> options = wire::FromWire(message, 8);
+  CheckError(options.status());
+  if (!options.ok()) return;
+  const absl::StatusOr<RegistrationOptions> again = wire::FromWire(wire::ToWire(*options), 8);
+  Require(again.ok() && again->method == options->method && again->seed == options->seed &&
+          again->num_threads == options->num_threads && again->time_budget_s == options->time_budget_s);
+  Require(again->prior.has_value() == options->prior.has_value());
+}
+
+// Checksums that fit let the fuzzer past them, to where no mutation would get.
+void Mend(v1::UploadScanRequest& request, std::string& payload) {
+  if (request.has_chunk()) {
+    request.mutable_chunk()->set_offset(payload.size());
+    request.mutable_chunk()->set_crc32c(wire::Crc32c(request.chunk().data()));
+    payload += request.chunk().data();
+  } else if (request.has_finish()) {
+    *request.mutable_finish()->mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_SHA256, payload);
+  }
+}
+
+void CheckUpload(std::string_view bytes, bool mended) {
+  static Metrics metrics;
+  MemoryScanStore store;
+  MemoryBudget memory(uint64_t{64} << 20);
+  UploadOwners owners;
+  const UploadEnvironment environment = {FuzzLimits(), &memory, &store, &metrics, &owners};
+  UploadSession session(environment, std::stop_source());
+  std::string payload;
+  while (bytes.size() >= 2) {
+    const size_t length = static_cast<uint8_t>(bytes[0]) + 256U * static_cast<uint8_t>(bytes[1]);
+    v1::UploadScanRequest request;
+    if (!request.ParseFromString(std::string(bytes.substr(2, length)))) return;
+    bytes.remove_prefix(std::min(bytes.size(), 2 + length));
+    if (mended) Mend(request, payload);
+    const absl::StatusOr<v1::UploadScanResponse> answer = session.Handle(request);
+    CheckError(answer.status());
+    if (!answer.ok() || answer->has_done()) break;
+  }
+  Require(memory.reserved_bytes() == 0);
+}
+
+void CheckResult(const v1::RegistrationResult& message) {
+  const absl::StatusOr<RegistrationResult> result = wire::FromWire(message);
+  CheckError(result.status());
+  if (!result.ok()) return;
+  Require(wire::FromWire(wire::ToWire(*result)).ok());
+  Require(wire::ToSummary(*result).ByteSizeLong() <= 200);
+}
+
+template <typename Message, typename Check>
+void Decode(std::string_view bytes, const Check& check) {
+  Message message;
+  if (message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) check(message);
+}
+
+void CheckMessage(uint8_t kind, std::string_view bytes) {
+  switch (kind % 11) {
+    case 0:
+      return Decode<v1::RegisterScansRequest>(bytes, [](const auto& request) {
+        CheckInput(request.source(), "source");
+        CheckInput(request.target(), "target");
+        CheckOptions(request.options());
+      });
+    case 1:
+      return Decode<v1::RenderScanRequest>(bytes, [](const auto& request) { CheckInput(request.scan(), "scan"); });
+    case 2:
+      return CheckUpload(bytes, false);
+    case 3:
+      return CheckUpload(bytes, true);
+    case 4:
+      return Decode<v1::DownloadScanRequest>(
+          bytes, [](const auto& request) { CheckError(ScanIdOf(request.name(), "name").status()); });
+    case 5:
+      return Decode<v1::GetUploadRequest>(
+          bytes, [](const auto& request) { CheckError(UploadIdOf(request.upload(), "upload").status()); });
+    case 6:
+      return Decode<v1::GetScanRequest>(
+          bytes, [](const auto& request) { CheckError(ScanIdOf(request.name(), "name").status()); });
+    case 7:
+      return Decode<v1::DeleteScanRequest>(
+          bytes, [](const auto& request) { CheckError(ScanIdOf(request.name(), "name").status()); });
+    case 8:
+      return Decode<v1::ListScansRequest>(bytes, [](const auto& request) {
+        const std::optional<int64_t> place = PlaceOfToken(request.page_token());
+        if (place.has_value()) Require(TokenOfPlace(*place) == request.page_token());
+      });
+    case 9:
+      return Decode<v1::RegistrationResult>(bytes, CheckResult);
+    default:
+      const absl::Status status = wire::FromGrpcStatus({grpc::StatusCode::UNAVAILABLE, "text", std::string(bytes)});
+      wire::BadRequestOf(status);
+      wire::RetryDelayOf(status);
+      wire::ReasonOf(status);
+      return;
+  }
+}
+
+}  // namespace
+}  // namespace curvereg::server
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  curvereg::server::CheckMessage(data[0], {reinterpret_cast<const char*>(data) + 1, size - 1});
+  return 0;
+}
