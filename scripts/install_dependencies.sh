@@ -19,7 +19,8 @@ declare -A PACKAGES=(
   # the service and its client library (-DCURVEREG_BUILD_SERVER=OFF does without), and what their tests call
   [server]="
     libgrpc++-dev libgrpc-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler grpc-proto
-    libssl-dev libsqlite3-dev libzstd-dev libisal-dev libspdlog-dev prometheus-cpp-dev libtomlplusplus-dev
+    libssl-dev libsqlite3-dev libzstd-dev libisal-dev libspdlog-dev prometheus-cpp-dev libcivetweb-dev
+    libtomlplusplus-dev
     openssl prometheus python3 python3-grpcio python3-protobuf"
   # what the built executables load, without the paper's rivals: the container image has these and nothing else of ours
   [runtime]="

@@ -17,6 +17,17 @@ namespace {
 
 constexpr int kUsageStatus = 2;
 
+const char* TypeName(SettingKind kind) {
+  switch (kind) {
+    case SettingKind::kCount:
+      return "NUMBER";
+    case SettingKind::kBytes:
+      return "SIZE";
+    default:
+      return "TEXT";
+  }
+}
+
 // Values are read as text here; SetFromText checks them as it does those of the other sources.
 void AddSettingFlags(CLI::App& app, std::map<std::string, std::string>& texts) {
   const ServerConfig defaults;
@@ -28,6 +39,7 @@ void AddSettingFlags(CLI::App& app, std::map<std::string, std::string>& texts) {
     CLI::Option* option =
         setting.kind == SettingKind::kSwitch ? app.add_flag(flag, text, help) : app.add_option(flag, text, help);
     option->group(group);
+    if (setting.kind != SettingKind::kSwitch) option->type_name(TypeName(setting.kind));
   }
 }
 
@@ -35,7 +47,7 @@ CLI::App* AddMakeToken(CLI::App& app, MakeTokenCommand& command, std::string& sc
   CLI::App* make_token =
       app.add_subcommand("make-token", "Make a token for a caller, and its table for the token file");
   make_token->add_option("NAME", command.name, "who will use it, as the log and the quotas name them")->required();
-  make_token->add_option("--scope", scope, "read (register, look), write (upload too) or admin (delete too)")
+  make_token->add_option("--scope", scope, "read (register, look), write (upload and delete, too) or admin (all)")
       ->check(CLI::IsMember({"read", "write", "admin"}))
       ->capture_default_str();
   make_token->add_option("--append-to", command.append_to, "token file to add the table to, instead of printing it");
@@ -51,8 +63,9 @@ ParsedCommandLine ParseCommandLine(int argc, const char* const* argv) {
                           "...) and from a TOML file; see docs/settings.md."));
   ServeCommand serve;
   std::map<std::string, std::string> texts;
-  app.add_option("--config", serve.config_file, "TOML file of settings");
-  app.add_option("--ports-file", serve.ports_file, "write the bound ports to this file, as JSON, once they are open");
+  app.add_option("--config", serve.config_file, "TOML file of settings")->type_name("FILE");
+  app.add_option("--ports-file", serve.ports_file, "write the bound ports to this file, as JSON, once they are open")
+      ->type_name("FILE");
   app.add_flag("--print-config", serve.print_config, "print the settings in force as TOML, and leave");
   app.add_flag("--print-settings", serve.print_settings, "print the table of all settings as Markdown, and leave");
   AddSettingFlags(app, texts);

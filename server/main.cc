@@ -4,16 +4,17 @@
 // curvereg-server: exit status 0 after a shutdown that was asked for, 1 when it cannot serve, 2 for wrong settings.
 #include <unistd.h>
 
-#include <condition_variable>
-#include <csignal>
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
-#include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
+#include <system_error>
+#include <variant>
 
 #include "client/files/atomic_file.h"
 #include "core/register_scans.h"
@@ -31,9 +32,24 @@ namespace {
 
 enum class ExitStatus { kDone = 0, kFailed = 1, kUsage = 2 };
 
+ExitStatus StatusOfFailure(const absl::Status& status) {
+  return status.code() == absl::StatusCode::kInvalidArgument ? ExitStatus::kUsage : ExitStatus::kFailed;
+}
+
 ExitStatus Fail(const absl::Status& status) {
   std::fprintf(stderr, "curvereg-server: %s\n", std::string(status.message()).c_str());
-  return status.code() == absl::StatusCode::kInvalidArgument ? ExitStatus::kUsage : ExitStatus::kFailed;
+  return StatusOfFailure(status);
+}
+
+ExitStatus Fail(const absl::Status& status, Logger& logger) {
+  logger.Error("cannot_start", {{"message", std::string(status.message())}});
+  return StatusOfFailure(status);
+}
+
+// A file of the last run would tell wrong ports to those who wait for it.
+void RemoveOldPorts(const std::string& path) {
+  std::error_code ignored;  // a file that cannot be removed cannot be replaced either: WritePorts tells
+  if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
 }
 
 absl::Status WritePorts(const std::string& path, const Server& server) {
@@ -59,12 +75,10 @@ ExitStatus ServeUntilSignal(const ServerConfig& config, const std::string& ports
   const TerminationSignals signals;  // before any thread exists
   absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config.log, stderr);
   if (!logger.ok()) return Fail(logger.status());
+  RemoveOldPorts(ports_file);
   absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);
-  if (!server.ok()) {
-    (*logger)->Error("cannot_start", {{"message", std::string(server.status().message())}});
-    return Fail(server.status());
-  }
-  if (const absl::Status status = WritePorts(ports_file, **server); !status.ok()) return Fail(status);
+  if (!server.ok()) return Fail(server.status(), **logger);
+  if (const absl::Status status = WritePorts(ports_file, **server); !status.ok()) return Fail(status, **logger);
   LogListening(config, **server, **logger);
   signals.Wait();
   (*logger)->Info("stopping", {{"grace_seconds", int64_t{config.grace_seconds}}});
