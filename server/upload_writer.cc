@@ -16,8 +16,9 @@
 namespace curvereg::server {
 namespace {
 
-// Bytes go on their way to the disk in pieces of this size while more come in.
-constexpr uint64_t kWritebackBytes = uint64_t{1} << 20;
+// Bytes go on their way to the disk in pieces of this size while more come in: at the end of a large upload less is
+// left to wait for, and with smaller pieces Append itself would wait.
+constexpr uint64_t kWritebackBytes = uint64_t{4} << 20;
 constexpr uint64_t kReadBytes = uint64_t{1} << 20;
 
 class UploadWriterImpl final : public UploadWriter {
