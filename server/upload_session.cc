@@ -68,8 +68,10 @@ v1::UploadScanResponse Done(const StoredScan& scan, bool already_stored) {
 }
 
 uint64_t CountFinite(const Scan& scan) {
-  return static_cast<uint64_t>(
-      std::count_if(scan.points.begin(), scan.points.end(), [](const Eigen::Vector3f& p) { return p.allFinite(); }));
+  // 0 times what is not finite is not a number. Several times as fast as asking each coordinate.
+  return static_cast<uint64_t>(std::count_if(scan.points.begin(), scan.points.end(), [](const Eigen::Vector3f& p) {
+    return p.x() * 0.0F + p.y() * 0.0F + p.z() * 0.0F == 0.0F;
+  }));
 }
 
 }  // namespace
