@@ -65,6 +65,7 @@ Call::Call(const CallEnvironment& environment, const MethodTraits& traits, grpc:
       started_(std::chrono::steady_clock::now()),
       deadline_(DeadlineOf(context)),
       request_id_(RequestIdOf(context)) {
+  if (environment_.num_open != nullptr) ++*environment_.num_open;
   context_.AddInitialMetadata(kRequestIdKey, request_id_);
   environment_.metrics->RpcStarted(traits_.service, traits_.method);
   const absl::StatusOr<std::string> name =
@@ -75,6 +76,10 @@ Call::Call(const CallEnvironment& environment, const MethodTraits& traits, grpc:
   } else if (environment_.draining.stop_requested()) {
     admitted_ = wire::MakeError(v1::ERROR_REASON_NOT_SERVING, "the server is about to stop");
   }
+}
+
+Call::~Call() {
+  if (environment_.num_open != nullptr) --*environment_.num_open;
 }
 
 void Call::CountReceived() { environment_.metrics->MessageReceived(traits_.service, traits_.method); }

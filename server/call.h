@@ -8,6 +8,7 @@
 
 #include <grpcpp/server_context.h>
 
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <stop_token>
@@ -25,8 +26,9 @@ namespace curvereg::server {
 struct CallEnvironment {
   const Access* access = nullptr;
   Metrics* metrics = nullptr;
-  Logger* logger = nullptr;  // null: no lines
-  std::stop_token draining;  // requested: new calls are refused, and idle streams end, with NOT_SERVING
+  Logger* logger = nullptr;              // null: no lines
+  std::atomic<int>* num_open = nullptr;  // null: not counted
+  std::stop_token draining;              // requested: new calls are refused, and idle streams end, with NOT_SERVING
 };
 
 struct MethodTraits {
@@ -40,6 +42,10 @@ class Call {
   // Admits the call or keeps the error for `admitted()`. Echoes the request id as initial metadata x-request-id: the
   // caller's, when it is 1 to 64 printable characters, else a random one.
   Call(const CallEnvironment& environment, const MethodTraits& traits, grpc::CallbackServerContext& context);
+
+  ~Call();
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
 
   const absl::Status& admitted() const { return admitted_; }  // UNAUTHENTICATED, SCOPE_MISSING, NOT_SERVING
   const std::string& client() const { return client_; }       // token name, TLS identity, else address and port

@@ -44,6 +44,8 @@ constexpr int kMessageOverheadBytes = 64 << 10;                // what a chunk's
 constexpr uint64_t kLeastQuotaBytes = uint64_t{256} << 20;     // of gRPC's own buffers
 constexpr std::chrono::minutes kExpiryInterval{10};            // between looks for abandoned uploads
 constexpr std::chrono::milliseconds kCancellationMargin{500};  // of the grace time, for cancelled calls to end
+constexpr std::chrono::milliseconds kDrainPoll{5};             // between looks whether calls are open
+constexpr std::chrono::milliseconds kGoodbye{100};             // for the last answers to leave
 
 class WholeServer final : public Server {
  public:
@@ -73,7 +75,7 @@ class WholeServer final : public Server {
   absl::Status Listen();
   void AddServices(grpc::ServerBuilder& builder);
   void ExpireUploads(const std::stop_token& stop);
-  CallEnvironment Calls() const;
+  CallEnvironment Calls();
 
   const ServerConfig config_;
   const LimitsConfig limits_;
@@ -85,6 +87,7 @@ class WholeServer final : public Server {
   std::unique_ptr<ScanStore> store_;
   WorkerPool pool_;
   WorkerPool disk_pool_;
+  std::atomic<int> num_open_calls_ = 0;
   std::stop_source draining_;
   std::atomic<bool> ready_ = false;
   HealthService health_;
@@ -97,10 +100,11 @@ class WholeServer final : public Server {
   std::once_flag shut_down_;
 };
 
-CallEnvironment WholeServer::Calls() const {
+CallEnvironment WholeServer::Calls() {
   return {.access = access_.get(),
-          .metrics = const_cast<Metrics*>(&metrics_),
+          .metrics = &metrics_,
           .logger = logger_.get(),
+          .num_open = &num_open_calls_,
           .draining = draining_.get_token()};
 }
 
@@ -245,10 +249,12 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
     std::this_thread::sleep_for(std::min(grace, std::chrono::milliseconds(config_.drain_delay_ms)));
     draining_.request_stop();
     health_.EndWatches();
-    const auto left = std::max(std::chrono::steady_clock::duration::zero(),
-                               deadline - std::chrono::steady_clock::now() - kCancellationMargin);
-    // Waits for the calls that run; those that are left at the deadline are cancelled, which reaches the core's loops.
-    if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + left);
+    while (num_open_calls_ > 0 && std::chrono::steady_clock::now() < deadline - kCancellationMargin) {
+      std::this_thread::sleep_for(kDrainPoll);
+    }
+    // Calls that are left are cancelled, which reaches the core's loops. gRPC would wait for idle connections as well,
+    // whose clients may take seconds to notice.
+    if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
     pool_.Shutdown(std::chrono::steady_clock::now());
     disk_pool_.Shutdown(std::chrono::steady_clock::now());
     expiry_ = std::jthread();

@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -56,8 +57,10 @@ ServerProcess::~ServerProcess() { Kill(); }
 bool ServerProcess::Start(const std::string& listen, const std::string& ops_listen) {
   const std::string ports_file = folder_ + "/ports.json";
   std::filesystem::remove(ports_file);
-  std::vector<std::string> words = {executable_,  "--listen",        listen,         "--ops-listen", ops_listen,
-                                    "--data-dir", folder_ + "/data", "--ports-file", ports_file};
+  std::vector<std::string> words = {executable_,       "--ops-listen", ops_listen, "--data-dir",
+                                    folder_ + "/data", "--ports-file", ports_file};
+  const bool has_address = std::find(arguments_.begin(), arguments_.end(), "--listen") != arguments_.end();
+  if (!has_address) words.insert(words.end(), {"--listen", listen});
   words.insert(words.end(), arguments_.begin(), arguments_.end());
   pid_ = Spawn(words, folder_ + "/server.log");
   const auto give_up = std::chrono::steady_clock::now() + kStartPatience;
