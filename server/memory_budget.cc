@@ -15,11 +15,14 @@ namespace {
 constexpr std::chrono::milliseconds kRetryDelay{250};
 
 constexpr uint64_t kBytesPerScan = uint64_t{24} << 20;
-constexpr uint64_t kBytesPerPoint = 384;
+constexpr uint64_t kBytesOfPictures = uint64_t{128} << 20;
+constexpr uint64_t kBytesPerPoint = 512;
 
 }  // namespace
 
 uint64_t PreparationBytes(uint64_t num_points) { return kBytesPerScan + kBytesPerPoint * num_points; }
+
+uint64_t RenderingBytes(uint64_t num_points) { return kBytesOfPictures + kBytesPerPoint * num_points; }
 
 MemoryBudget::Reservation::~Reservation() {
   if (budget_ != nullptr) budget_->reserved_bytes_.fetch_sub(bytes_);

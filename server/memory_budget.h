@@ -48,10 +48,13 @@ class MemoryBudget {
   std::atomic<uint64_t> reserved_bytes_ = 0;
 };
 
-// What preparing a scan of this many points and registering it takes at most, its points apart, by any method.
-// Measured: up to 360 bytes a point and 19 MiB a scan, when every point lies in a cell of its own or in a tiny cluster;
-// scans of surfaces take a tenth of that. The test holds it to be enough.
+// What preparing a scan of this many points and registering it takes at most, its points apart, by any method, while
+// the other scan is prepared at the same time. Measured: up to 22 MB a scan and 530 bytes a point, where every point
+// lies in a cell of its own; scans of surfaces take a tenth of the latter. The test holds it to be enough.
 uint64_t PreparationBytes(uint64_t num_points);
+
+// The same for drawing and encoding all its pictures.
+uint64_t RenderingBytes(uint64_t num_points);
 
 }  // namespace curvereg::server
 

@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr MethodTraits kTraits = {"curvereg.v1.RegistrationService", "RegisterScans", Scope::kRead};
-constexpr std::chrono::milliseconds kMinMargin{30};
+constexpr std::chrono::milliseconds kMinMargin{50};
 constexpr std::chrono::milliseconds kMaxMargin{1000};
 
 bool NeedsPreparation(Method method) { return method == Method::kCurvelet || method == Method::kIcp; }

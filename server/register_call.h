@@ -16,7 +16,7 @@
 
 namespace curvereg::server {
 
-// When to be done so that the answer is back before the deadline: a tenth of what remains before it, at least 30 ms and
+// When to be done so that the answer is back before the deadline: a tenth of what remains before it, at least 50 ms and
 // at most a second. The server learns the time that remains, not what the way took or will take.
 std::chrono::steady_clock::time_point AnswerBy(std::chrono::steady_clock::time_point now,
                                                std::chrono::steady_clock::time_point deadline);

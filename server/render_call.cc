@@ -14,9 +14,6 @@ namespace {
 
 constexpr MethodTraits kTraits = {"curvereg.v1.RegistrationService", "RenderScan", Scope::kRead};
 
-// All pictures before they are encoded, the coefficients, and the answer, as measured: 72 MB (see the test).
-constexpr uint64_t kPictureBytes = uint64_t{96} << 20;
-
 constexpr std::array<std::pair<PictureKind, v1::PictureKind>, 4> kKinds = {
     {{PictureKind::kViews, v1::PICTURE_KIND_VIEWS},
      {PictureKind::kCoefficients, v1::PICTURE_KIND_COEFFICIENTS},
@@ -53,7 +50,7 @@ absl::StatusOr<uint64_t> RenderCall::Check() {
   absl::StatusOr<ScanSide> scan = ScanSide::Find(request_.scan(), "scan", backend());
   if (!scan.ok()) return scan.status();
   scan_ = *std::move(scan);
-  return scan_->MemoryBytes() + kPictureBytes;
+  return scan_->DecodingBytes() + RenderingBytes(scan_->num_points());
 }
 
 absl::Status RenderCall::Compute(const Stop& stop) {

@@ -57,10 +57,14 @@ absl::Status ScanSide::FindInline() {
                            wire::ValidateHeader(cloud.header(), cloud.data().size(), LimitsOf(*backend_)));
 }
 
-uint64_t ScanSide::MemoryBytes() const {
-  if (cached_ != nullptr) return PreparationBytes(0);
-  const v1::PointCloudHeader& header = is_stored() ? header_ : input_->inline_scan().header();
-  return payload_bytes_ + wire::DecodingBytes(header) + PreparationBytes(header.point_count());
+const v1::PointCloudHeader& ScanSide::header() const { return is_stored() ? header_ : input_->inline_scan().header(); }
+
+uint64_t ScanSide::num_points() const {
+  return cached_ == nullptr ? header().point_count() : cached_->scan().points.size();
+}
+
+uint64_t ScanSide::DecodingBytes() const {
+  return cached_ == nullptr ? payload_bytes_ + wire::DecodingBytes(header()) : 0;
 }
 
 absl::StatusOr<std::shared_ptr<const Scan>> ScanSide::Decode() const {

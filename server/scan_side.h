@@ -25,8 +25,11 @@ class ScanSide {
   static absl::StatusOr<ScanSide> Find(const v1::ScanInput& input, const std::string& field,
                                        const RegistrationBackend& backend);
 
+  uint64_t num_points() const;
+  // What decoding takes at most; nothing when it is prepared already.
+  uint64_t DecodingBytes() const;
   // What decoding, preparing and registering it takes at most. Little when it is prepared already.
-  uint64_t MemoryBytes() const;
+  uint64_t MemoryBytes() const { return DecodingBytes() + PreparationBytes(cached_ == nullptr ? num_points() : 0); }
 
   bool is_stored() const { return input_->has_name(); }
 
@@ -44,6 +47,7 @@ class ScanSide {
   absl::Status Named(const absl::Status& status) const;
 
  private:
+  const v1::PointCloudHeader& header() const;  // precondition: not prepared
   absl::Status FindStored();
   absl::Status FindInline();
   absl::StatusOr<std::unique_ptr<const PreparedScan>> DecodeAndPrepare(const Stop& stop) const;
