@@ -56,8 +56,8 @@ works() {
   esac
 }
 
-# Storage and settings of buildah and podman. Both limits are lowered to what this process may have: engines ask for
-# more, which fails without CAP_SYS_RESOURCE. runc also starts where cgroups are in hybrid mode.
+# Storage and settings of buildah and podman. Both limits are set to what suffices for a build: engines ask for
+# more than this process may have, which fails without CAP_SYS_RESOURCE. runc also starts where cgroups are in hybrid mode.
 write_settings() {
   mkdir -p "$store"
   store=$(realpath "$store")
@@ -70,8 +70,8 @@ C
   local files processes
   files=$(ulimit -Hn)
   processes=$(ulimit -Hu)
-  [ "$files" != unlimited ] || files=1048576
-  [ "$processes" != unlimited ] || processes=32768
+  [ "$files" != unlimited ] && [ "$files" -lt 16384 ] || files=16384
+  [ "$processes" != unlimited ] && [ "$processes" -lt 16384 ] || processes=16384
   {
     printf '[containers]\ndefault_ulimits = ["nofile=%s:%s", "nproc=%s:%s"]\nnetns = "host"\n' \
       "$files" "$files" "$processes" "$processes"
