@@ -44,6 +44,9 @@ absl::Status CallError(const grpc::Status& status, const grpc::ClientContext& co
 
 bool IsRetryable(const absl::Status& error) {
   if (error.code() == absl::StatusCode::kUnavailable) return true;
+  // A call that reaches a server at its very end is cancelled by gRPC, before any code of ours could give a reason.
+  // When it was the caller who cancelled, the wait before the next attempt ends at once.
+  if (absl::IsCancelled(error) && !wire::ErrorInfoOf(error).has_value()) return true;
   return error.code() == absl::StatusCode::kResourceExhausted && wire::RetryDelayOf(error).has_value();
 }
 

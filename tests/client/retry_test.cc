@@ -43,7 +43,8 @@ TEST(IsResumableTest, AddsDamageOnTheWay) {
   EXPECT_FALSE(IsResumable(wire::MakeError(v1::ERROR_REASON_INTERNAL, "a fault of the server")));
   EXPECT_FALSE(IsResumable(wire::MakeError(v1::ERROR_REASON_WRITER_REPLACED, "other")));
   EXPECT_FALSE(IsResumable(wire::MakeError(v1::ERROR_REASON_DIGEST_MISMATCH, "wrong")));
-  EXPECT_FALSE(IsResumable(absl::CancelledError("user")));
+  EXPECT_FALSE(IsResumable(wire::MakeError(v1::ERROR_REASON_CANCELLED, "user")));
+  EXPECT_TRUE(IsRetryable(absl::CancelledError("by gRPC, when a server ends")));
 }
 
 TEST(BackoffTest, DoublesUpToTheGreatestDelay) {
