@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPollInterval(100);  // of the caller's cancellation and the server's silence
+constexpr std::chrono::milliseconds kPollInterval(20);  // of progress and of the server's silence
 // Reserved on the server's word alone; what comes beyond grows as it comes.
 constexpr uint64_t kMaxReservedBytes = uint64_t{64} << 20;
 
@@ -47,7 +47,7 @@ bool DownloadStream::Await(std::chrono::milliseconds silence, const std::functio
   uint64_t told = state_.payload.size();
   bool silent = false;
   while (!ended_) {
-    changed_.wait_for(lock, kPollInterval, [&] { return ended_ || state_.payload.size() != told; });
+    changed_.wait_for(lock, kPollInterval, [&] { return ended_.has_value(); });
     if (state_.payload.size() != told) {
       told = state_.payload.size();
       lock.unlock();
@@ -69,7 +69,6 @@ void DownloadStream::OnReadDone(bool ok) {
     last_answer_ = Clock::now();
     broken_ = Take(response_);
     go_on = broken_.ok();
-    changed_.notify_one();
   }
   if (go_on) {
     StartRead(&response_);

@@ -32,6 +32,8 @@ TEST(IsRetryableTest, OnlyWhatIsSafe) {
   EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_DEADLINE_EXCEEDED, "late")));
   EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "damaged")));
   EXPECT_FALSE(IsRetryable(absl::InternalError("bad")));
+  EXPECT_TRUE(IsRetryable(absl::CancelledError("by a server that ended")));
+  EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_CANCELLED, "by the caller")));
   EXPECT_FALSE(IsRetryable(absl::OkStatus()));
 }
 
