@@ -57,6 +57,21 @@ TEST(PreparedScanCacheTest, LoadsOnceAndGivesTheSame) {
   EXPECT_EQ(statistics.bytes, (*first)->MemoryBytes());
 }
 
+TEST(PreparedScanCacheTest, FindNeitherLoadsNorWaits) {
+  PreparedScanCache cache(SmallBytes() * 5 / 2);
+  EXPECT_EQ(cache.Find("a"), nullptr);
+  EXPECT_EQ(cache.GetStatistics().num_misses, 0U);
+  std::atomic<int> count = 0;
+  const auto scan = cache.Get("a", CountingLoader{&count}, {});
+  ASSERT_THAT(scan, IsOk());
+  ASSERT_THAT(cache.Get("b", CountingLoader{&count}, {}), IsOk());
+  EXPECT_EQ(cache.Find("a"), *scan);
+  EXPECT_EQ(cache.GetStatistics().num_hits, 1U);
+  ASSERT_THAT(cache.Get("c", CountingLoader{&count}, {}), IsOk());  // "b" goes: "a" was used since
+  EXPECT_NE(cache.Find("a"), nullptr);
+  EXPECT_EQ(cache.Find("b"), nullptr);
+}
+
 TEST(PreparedScanCacheTest, TheLeastRecentlyUsedGoesFirst) {
   PreparedScanCache cache(SmallBytes() * 5 / 2);  // holds two
   std::atomic<int> count = 0;
