@@ -19,7 +19,7 @@ build: ## Build everything; the executables are in build/release/bin
 
 demo: deps ## Simulate a rover's drive, register its scans, draw the report into out/demo
 	cmake --preset release
-	cmake --build --preset release -j $(JOBS) --target bin/curvereg
+	cmake --build --preset release -j $(JOBS) --target bin/curvereg bin/curvereg-server
 	scripts/demo.sh
 
 test: deps build ## Build and run every test

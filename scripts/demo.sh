@@ -2,9 +2,10 @@
 # SPDX-FileCopyrightText: 2026 The Curvereg authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The whole job on a simulated drive: scans, one registration, an evaluation with figures, pictures of one scan.
+# The whole job on a simulated drive: scans, one registration alone and one through a server, an evaluation with figures,
+# pictures of one scan.
 #
-# usage: demo.sh [OUT_DIR]      default: out/demo; CURVEREG names another executable
+# usage: demo.sh [OUT_DIR]      default: out/demo; CURVEREG names another executable (curvereg-server lies beside it)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 curvereg=${CURVEREG:-build/release/bin/curvereg}
@@ -16,7 +17,7 @@ run() {
   local title=$1 started=$SECONDS
   shift
   step_number=$((step_number + 1))
-  printf '\n[%d/4] %s\n      $ %s\n' "$step_number" "$title" "$*"
+  printf '\n[%d/7] %s\n      $ %s\n' "$step_number" "$title" "$*"
   local status=0
   "$@" || status=$?
   if [ "$status" -ne 0 ]; then
@@ -42,6 +43,25 @@ if [ ${#files[@]} -lt 2 ]; then
   exit 1
 fi
 run 'Register the second scan on the first' "$curvereg" register "${files[1]}" "${files[0]}"
+
+# A server of its own on free ports of loopback, for as long as this script runs.
+"$curvereg-server" --listen 127.0.0.1:0 --ops-listen 127.0.0.1:0 --data-dir "$out/server" --ports-file "$out/ports.json" \
+  2>"$out/server.log" &
+server_pid=$!
+trap 'kill "$server_pid" 2>/dev/null || true' EXIT
+for _ in $(seq 100); do
+  [ -s "$out/ports.json" ] && break
+  sleep 0.1
+done
+server=127.0.0.1:$(sed -E 's/.*"grpc_port":([0-9]+).*/\1/' "$out/ports.json")
+run 'Ask a server how it is' "$curvereg" status --server "$server"
+run 'Let it keep two scans' "$curvereg" scans upload "${files[0]}" "${files[1]}" --server "$server"
+mapfile -t names < <("$curvereg" scans upload "${files[0]}" "${files[1]}" --server "$server" | cut -d' ' -f1)
+run 'Register the same scans there, by name' "$curvereg" register "${names[1]}" "${names[0]}" --server "$server"
+kill "$server_pid"
+wait "$server_pid"
+trap - EXIT
+
 run 'Evaluate every pair of the drive against the truth' "$curvereg" evaluate "$scans" --method curvelet --out "$out/evaluation"
 run 'Draw what the method sees in one scan' "$curvereg" inspect "${files[0]}" --out "$out/inspect"
 
