@@ -74,7 +74,8 @@ class ScanStore {
   virtual ~ScanStore() = default;
 
   // Begins or resumes. The writer given out before for this upload is fenced off: its calls fail with WRITER_REPLACED.
-  // UPLOAD_DIFFERS, TOO_MANY_UPLOADS, STORAGE_FULL (the declared bytes do not fit), STORAGE_FAULT.
+  // Coming back counts as progress. INVALID_FIELD "upload" or "payload_bytes" (0), UPLOAD_DIFFERS, TOO_MANY_UPLOADS,
+  // STORAGE_FULL (the declared bytes do not fit; they are set aside for it), STORAGE_FAULT.
   virtual absl::StatusOr<std::unique_ptr<UploadWriter>> BeginUpload(const UploadDescription& description) = 0;
   virtual absl::StatusOr<UploadState> GetUpload(const std::string& upload_id) = 0;  // UPLOAD_NOT_FOUND
   // Forgets uploads past their lifetime; returns how many.
