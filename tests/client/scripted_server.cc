@@ -7,7 +7,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <optional>
 #include <utility>
+
+#include "tests/testing/scenes.h"
+#include "wire/error.h"
+#include "wire/status_mapping.h"
 
 namespace curvereg::testing {
 namespace {
@@ -109,6 +114,13 @@ ScriptedServer::~ScriptedServer() {
 }
 
 int ScriptedServer::port() const { return services_->port; }
+
+grpc::Status Refusal(v1::ErrorReason reason, std::chrono::milliseconds delay) {
+  const absl::Status error = wire::MakeError(reason, "refused");
+  return wire::ToGrpcStatus(delay.count() > 0 ? wire::WithRetryDelay(error, delay) : error, "request-1");
+}
+
+Scan StrewnScan(int num_points) { return {PatchPoints({.noise_m = 0.1}, num_points, 3), std::nullopt}; }
 
 ClientOptions QuickOptions() {
   ClientOptions options;

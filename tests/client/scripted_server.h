@@ -8,12 +8,15 @@
 
 #include <grpcpp/server.h>
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 
 #include "absl/status/status.h"
 #include "client/client.h"
+#include "core/scan.h"
+#include "curvereg/v1/error_reason.pb.h"
 #include "curvereg/v1/registration_service.grpc.pb.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
 #include "grpc/health/v1/health.grpc.pb.h"
@@ -50,6 +53,12 @@ class ScriptedServer {
   struct Services;
   std::unique_ptr<Services> services_;
 };
+
+// An error as a server of ours gives it, with a RetryInfo when `delay` is above 0.
+grpc::Status Refusal(v1::ErrorReason reason, std::chrono::milliseconds delay = std::chrono::milliseconds(0));
+
+// Points strewn about a square metre.
+Scan StrewnScan(int num_points = 20'000);
 
 // Short times, so that tests are quick.
 ClientOptions QuickOptions();
