@@ -11,7 +11,7 @@ constexpr uint64_t kLeastWindow = 64 * 1024;
 constexpr uint64_t kGreatestWindow = uint64_t{16} << 20;
 constexpr uint64_t kChunksPerWindow = 4;
 // Quicker than this: a cut costs less than a blink, so the window may grow. Slower than the other: back to the share.
-constexpr std::chrono::milliseconds kQuick(20);
+constexpr std::chrono::milliseconds kQuick(50);
 constexpr std::chrono::milliseconds kSlow(250);
 
 }  // namespace
