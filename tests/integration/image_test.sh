@@ -48,7 +48,7 @@ step 'build'
 engine=podman
 if command -v buildah >/dev/null; then engine=buildah; fi
 if ! nice -n 19 "$(dirname "$0")/../../scripts/build_image.sh" --engine $engine --store "$store" --bootstrap-base \
-  --tag localhost/curvereg:test --jobs "${CURVEREG_IMAGE_JOBS:-}" --no-save >"$work/build.log" 2>&1 </dev/null; then
+  --tag localhost/curvereg:test --jobs "${CURVEREG_IMAGE_JOBS:-$(nproc)}" --no-save >"$work/build.log" 2>&1 </dev/null; then
   tail -n 40 "$work/build.log" >&2
   timeout 20 bash -c 'exec 3<>/dev/tcp/deb.debian.org/80' 2>/dev/null || lacking 'there is no network'
   fail 'the image cannot be built'
@@ -66,13 +66,13 @@ echo "   $size bytes"
 [ "$(of_image '{{.Config.StopSignal}}')" = SIGTERM ] || fail 'the stop signal is not SIGTERM'
 [ "$(of_image '{{.Config.Healthcheck.Test}}')" = '[CMD curvereg status]' ] || fail 'the health check is another'
 [ "$(of_image '{{len .Config.Volumes}}')" = 1 ] || fail 'not one volume'
-in_image() { podman run --rm --network none --entrypoint bash $image -c "$1"; }
+in_image() { podman run --rm --no-healthcheck --network none --entrypoint bash $image -c "$1"; }
 in_image '! command -v gcc g++ c++ cc ld cmake ninja make git' || fail 'there are build tools in the image'
 in_image '! ls /usr/lib/*/ | grep -iE "vtk|libpcl|mpi"' || fail 'there are PCL, VTK or MPI in the image'
 in_image '! ldd /usr/local/bin/curvereg /usr/local/bin/curvereg-server | grep "not found"' || fail 'a library is missing'
 
 step 'plain text off loopback must be asked for'
-if podman run --rm --network none --read-only --cap-drop ALL $image >"$work/refused" 2>&1; then
+if podman run --rm --no-healthcheck --network none --read-only --cap-drop ALL $image >"$work/refused" 2>&1; then
   fail 'the server starts in plain text on all addresses'
 fi
 grep -qi 'plain' "$work/refused" || fail "the refusal does not say why: $(cat "$work/refused")"
