@@ -44,9 +44,9 @@ absl::Status DownloadStream::Run(Connection& connection, const std::shared_ptr<g
 
 bool DownloadStream::Await(std::chrono::milliseconds silence, const std::function<void(uint64_t)>& on_progress) {
   std::unique_lock lock(mutex_);
-  uint64_t told = state_.payload.size();
+  uint64_t told = request_.offset();
   bool silent = false;
-  while (!ended_) {
+  do {  // at least once: a short stream may have ended by now, and its progress counts
     changed_.wait_for(lock, kPollInterval, [&] { return ended_.has_value(); });
     if (state_.payload.size() != told) {
       told = state_.payload.size();
@@ -57,7 +57,7 @@ bool DownloadStream::Await(std::chrono::milliseconds silence, const std::functio
     if (ended_ || silent || Clock::now() - last_answer_ <= silence) continue;
     silent = true;
     context_.TryCancel();
-  }
+  } while (!ended_ || state_.payload.size() != told);
   return silent;
 }
 

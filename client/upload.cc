@@ -3,6 +3,7 @@
 #include "client/upload.h"
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 #include <random>
 #include <string>
@@ -33,8 +34,27 @@ absl::Status ValidateTransferOptions(const TransferOptions& options) {
   return absl::OkStatus();
 }
 
+// Header and payload. Raw points lie in memory as they lie in the payload, so they are sent from where they are.
+absl::StatusOr<UploadSource> SourceOf(const curvereg::Scan& scan, const TransferEncoding& encoding) {
+  static_assert(std::endian::native == std::endian::little && sizeof(Eigen::Vector3f) == 3 * sizeof(float));
+  const bool is_raw = encoding.kind == TransferEncoding::Kind::kRaw;
+  absl::StatusOr<v1::PointCloud> cloud = is_raw ? EncodeFor(encoding, {{}, scan.gravity}) : EncodeFor(encoding, scan);
+  if (!cloud.ok()) return cloud.status();
+  UploadSource source;
+  *source.start.mutable_header() = cloud->header();
+  if (is_raw) {
+    source.start.mutable_header()->set_point_count(scan.points.size());
+    source.payload.bytes = {reinterpret_cast<const char*>(scan.points.data()),
+                            scan.points.size() * sizeof(Eigen::Vector3f)};
+  } else {
+    source.payload.owner = std::shared_ptr<const std::string>(cloud->release_data());
+    source.payload.bytes = *source.payload.owner;
+  }
+  return source;
+}
+
 TransferProgress ProgressOf(const UploadState& state, const UploadSource& source, int num_resumes) {
-  return {state.committed, source.payload->size(), state.bytes_resent, num_resumes};
+  return {state.committed, source.payload.bytes.size(), state.bytes_resent, num_resumes};
 }
 
 class Upload {
@@ -44,7 +64,7 @@ class Upload {
         source_(std::move(source)),
         options_(options),
         retrier_(connection, {options.cancellation, connection.options().call_timeout, IsResumable}),
-        share_base_(source_.payload->size()) {}
+        share_base_(source_.payload.bytes.size()) {}
 
   absl::StatusOr<UploadOutcome> Run() {
     const absl::Status status =
@@ -92,15 +112,13 @@ class Upload {
 absl::StatusOr<UploadOutcome> UploadScan(Connection& connection, const curvereg::Scan& scan,
                                          const TransferOptions& options) {
   if (absl::Status status = ValidateTransferOptions(options); !status.ok()) return status;
-  absl::StatusOr<v1::PointCloud> cloud = EncodeFor(options.encoding, scan);
-  if (!cloud.ok()) return cloud.status();
-  UploadSource source;
-  source.payload = std::shared_ptr<const std::string>(cloud->release_data());
+  absl::StatusOr<UploadSource> encoded = SourceOf(scan, options.encoding);
+  if (!encoded.ok()) return encoded.status();
+  UploadSource source = *std::move(encoded);
   source.start.set_upload(RandomUploadName());
-  *source.start.mutable_header() = cloud->header();
   source.start.mutable_header()->set_frame_id(options.frame_id);
-  source.start.set_payload_bytes(source.payload->size());
-  *source.start.mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, *source.payload);
+  source.start.set_payload_bytes(source.payload.bytes.size());
+  *source.start.mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, source.payload.bytes);
   return Upload(connection, std::move(source), options).Run();
 }
 

@@ -7,7 +7,7 @@
 #include <grpcpp/support/slice.h>
 
 #include <array>
-#include <string_view>
+#include <string>
 
 #include "wire/digest.h"
 
@@ -17,12 +17,12 @@ namespace {
 // Wire type 2: a length, then as many bytes.
 constexpr uint32_t LengthDelimitedTag(int field_number) { return static_cast<uint32_t>(field_number) << 3 | 2U; }
 
-// Owned by gRPC until the last byte has left.
-grpc::Slice SliceOf(const std::shared_ptr<const std::string>& payload, uint64_t offset, uint64_t size) {
-  auto* keeper = new std::shared_ptr<const std::string>(payload);
+grpc::Slice SliceOf(const UploadPayload& payload, uint64_t offset, uint64_t size) {
+  if (payload.owner == nullptr) return {payload.bytes.data() + offset, size};
+  auto* keeper = new std::shared_ptr<const std::string>(payload.owner);
   // gRPC takes a pointer to non-const and does not write through it.
   return grpc::Slice(
-      const_cast<char*>(payload->data()) + offset, size,
+      const_cast<char*>(payload.bytes.data()) + offset, size,
       [](void* owner) { delete static_cast<std::shared_ptr<const std::string>*>(owner); }, keeper);
 }
 
@@ -33,11 +33,11 @@ grpc::ByteBuffer SerializedRequest(const v1::UploadScanRequest& request) {
   return {&slice, 1};
 }
 
-grpc::ByteBuffer SerializedChunk(const std::shared_ptr<const std::string>& payload, uint64_t offset, uint64_t size) {
+grpc::ByteBuffer SerializedChunk(const UploadPayload& payload, uint64_t offset, uint64_t size) {
   // The chunk without its data; a field may stand anywhere in a message, so the data comes last.
   v1::PayloadChunk chunk;
   chunk.set_offset(offset);
-  chunk.set_crc32c(wire::Crc32c(std::string_view(*payload).substr(offset, size)));
+  chunk.set_crc32c(wire::Crc32c(payload.bytes.substr(offset, size)));
   const std::string fields = chunk.SerializeAsString();
   std::string data_head;
   std::string head;

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// UploadScanRequest as bytes for gRPC. Chunks are not copied: the message refers to the payload, which lives as long as
-// a message does.
+// UploadScanRequest as bytes for gRPC.
 #ifndef CURVEREG_CLIENT_UPLOAD_MESSAGES_H_
 #define CURVEREG_CLIENT_UPLOAD_MESSAGES_H_
 
@@ -11,15 +10,23 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "curvereg/v1/scan_service.pb.h"
 
 namespace curvereg::internal {
 
+// The bytes to send. With an owner, messages refer to them and keep the owner, for gRPC may hold a message longer than
+// its call; without one (bytes of the caller's), messages have copies.
+struct UploadPayload {
+  std::string_view bytes;
+  std::shared_ptr<const std::string> owner;
+};
+
 grpc::ByteBuffer SerializedRequest(const v1::UploadScanRequest& request);
 
 // The request whose chunk is bytes [offset, offset + size) of the payload, with their CRC-32C.
-grpc::ByteBuffer SerializedChunk(const std::shared_ptr<const std::string>& payload, uint64_t offset, uint64_t size);
+grpc::ByteBuffer SerializedChunk(const UploadPayload& payload, uint64_t offset, uint64_t size);
 
 }  // namespace curvereg::internal
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "client/retry.h"
-#include "client/upload_messages.h"
 
 namespace curvereg::internal {
 namespace {
@@ -24,7 +23,7 @@ constexpr std::chrono::milliseconds kPollInterval(20);
 }  // namespace
 
 UploadStream::UploadStream(const UploadSource& source, const UploadState& state, const UploadWindow::Options& window)
-    : source_(source), state_(state), window_(window), last_answer_(Clock::now()) {}
+    : source_(source), begun_at_(state.committed), state_(state), window_(window), last_answer_(Clock::now()) {}
 
 absl::Status UploadStream::Run(Connection& connection, const std::shared_ptr<grpc::Channel>& channel,
                                const Limits& limits, const std::function<void(const UploadState&)>& on_progress) {
@@ -49,9 +48,9 @@ absl::Status UploadStream::Run(Connection& connection, const std::shared_ptr<grp
 bool UploadStream::Await(const Limits& limits, const std::function<void(const UploadState&)>& on_progress) {
   const std::stop_callback cancel(limits.cancellation, [&] { context_.TryCancel(); });
   std::unique_lock lock(mutex_);
-  uint64_t told = state_.committed;
+  uint64_t told = begun_at_;
   bool silent = false;
-  while (!ended_) {
+  do {  // at least once: a short stream may have ended by now, and its progress counts
     changed_.wait_for(lock, kPollInterval, [&] { return ended_.has_value(); });
     if (state_.committed != told) {
       told = state_.committed;
@@ -64,7 +63,7 @@ bool UploadStream::Await(const Limits& limits, const std::function<void(const Up
     if (ended_ || silent || Clock::now() - last_answer_ <= patience) continue;
     silent = true;
     context_.TryCancel();
-  }
+  } while (!ended_ || state_.committed != told);
   return silent;
 }
 
@@ -93,7 +92,7 @@ bool UploadStream::Take(const v1::UploadScanResponse& response) {
       return ready_ && TakeCommitted(response.progress().committed_offset());
     case v1::UploadScanResponse::kDone:
       state_.done = response.done();
-      state_.committed = source_.payload->size();
+      state_.committed = source_.payload.bytes.size();
       return true;
     case v1::UploadScanResponse::MESSAGE_NOT_SET:
       return false;
@@ -102,7 +101,7 @@ bool UploadStream::Take(const v1::UploadScanResponse& response) {
 }
 
 bool UploadStream::TakeReady(const v1::UploadScanReady& ready) {
-  if (ready_ || ready.committed_offset() > source_.payload->size()) return false;
+  if (ready_ || ready.committed_offset() > source_.payload.bytes.size()) return false;
   ready_ = true;
   offset_ = ready.committed_offset();
   // May lie before what was acknowledged: a server that lost its disk, say. Then that is sent again.
@@ -126,7 +125,7 @@ void UploadStream::SendNext() {
     const std::lock_guard lock(mutex_);
     if (writing_ || !ready_ || finish_sent_ || state_.done) return;
     begin = offset_;
-    const uint64_t payload_bytes = source_.payload->size();
+    const uint64_t payload_bytes = source_.payload.bytes.size();
     if (begin < payload_bytes) {
       size = std::min(window_.NextChunkBytes(begin, state_.committed, payload_bytes), max_chunk_bytes_);
       if (size == 0) return;

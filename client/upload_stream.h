@@ -20,6 +20,7 @@
 
 #include "absl/status/status.h"
 #include "client/connection.h"
+#include "client/upload_messages.h"
 #include "client/upload_window.h"
 #include "curvereg/v1/scan_service.pb.h"
 
@@ -28,7 +29,7 @@ namespace curvereg::internal {
 // What is uploaded; the same for all streams of an upload.
 struct UploadSource {
   v1::UploadScanStart start;
-  std::shared_ptr<const std::string> payload;
+  UploadPayload payload;
 };
 
 // How far it got; kept from stream to stream.
@@ -68,6 +69,7 @@ class UploadStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, v1::
   bool Await(const Limits& limits, const std::function<void(const UploadState&)>& on_progress);
 
   const UploadSource& source_;
+  const uint64_t begun_at_;  // committed offset that the caller knows
   grpc::ClientContext context_;
   v1::UploadScanResponse response_;
   grpc::ByteBuffer message_;  // the one being written

@@ -19,6 +19,7 @@
 #include "client/cli/scans_command.h"
 #include "client/cli/simulate_command.h"
 #include "client/cli/status_command.h"
+#include "server/heap_tuning.h"
 
 namespace curvereg::cli {
 namespace {
@@ -42,6 +43,7 @@ ExitCode ParseAndRun(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return ReportUsage(app, error, argc > 1 ? argv[1] : "");
   }
+  server::KeepFreedMemory();  // the service runs in this process unless --server is given
   const InterruptWatcher watcher;
   for (const Command& command : commands) {
     if (command.app->parsed()) return command.run({.interrupted = watcher.token()});

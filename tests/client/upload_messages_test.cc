@@ -26,15 +26,17 @@ std::string BytesOf(const grpc::ByteBuffer& buffer) {
 TEST(SerializedChunkTest, IsTheMessageThatProtobufWouldWrite) {
   std::string bytes;
   for (int i = 0; i < 700'000; ++i) bytes.push_back(static_cast<char>(i * 31 % 251));
-  const auto payload = std::make_shared<const std::string>(bytes);
+  const auto owner = std::make_shared<const std::string>(bytes);
   for (const uint64_t offset : {uint64_t{0}, uint64_t{1}, uint64_t{300'000}}) {
     for (const uint64_t size : {uint64_t{1}, uint64_t{127}, uint64_t{128}, uint64_t{16'384}, uint64_t{400'000}}) {
-      v1::UploadScanRequest request;
-      ASSERT_TRUE(request.ParseFromString(BytesOf(SerializedChunk(payload, offset, size)))) << offset << " " << size;
-      ASSERT_TRUE(request.has_chunk());
-      EXPECT_EQ(request.chunk().offset(), offset);
-      EXPECT_EQ(request.chunk().data(), bytes.substr(offset, size));
-      EXPECT_EQ(request.chunk().crc32c(), wire::Crc32c(bytes.substr(offset, size)));
+      for (const UploadPayload& payload : {UploadPayload{bytes, nullptr}, UploadPayload{*owner, owner}}) {
+        v1::UploadScanRequest request;
+        ASSERT_TRUE(request.ParseFromString(BytesOf(SerializedChunk(payload, offset, size)))) << offset << " " << size;
+        ASSERT_TRUE(request.has_chunk());
+        EXPECT_EQ(request.chunk().offset(), offset);
+        EXPECT_EQ(request.chunk().data(), bytes.substr(offset, size));
+        EXPECT_EQ(request.chunk().crc32c(), wire::Crc32c(bytes.substr(offset, size)));
+      }
     }
   }
 }
@@ -43,7 +45,7 @@ TEST(SerializedChunkTest, KeepsThePayloadAliveAndLetsItGo) {
   auto payload = std::make_shared<const std::string>(100'000, 'p');
   const std::weak_ptr<const std::string> watched = payload;
   {
-    const grpc::ByteBuffer message = SerializedChunk(payload, 10, 90'000);
+    const grpc::ByteBuffer message = SerializedChunk({*payload, payload}, 10, 90'000);
     payload.reset();
     EXPECT_FALSE(watched.expired());
     v1::UploadScanRequest request;
@@ -51,6 +53,15 @@ TEST(SerializedChunkTest, KeepsThePayloadAliveAndLetsItGo) {
     EXPECT_EQ(request.chunk().data(), std::string(90'000, 'p'));
   }
   EXPECT_TRUE(watched.expired());
+}
+
+TEST(SerializedChunkTest, CopiesWhatItDoesNotOwn) {
+  std::string bytes(100'000, 'p');
+  const grpc::ByteBuffer message = SerializedChunk({bytes, nullptr}, 10, 90'000);
+  bytes.assign(bytes.size(), 'q');
+  v1::UploadScanRequest request;
+  ASSERT_TRUE(request.ParseFromString(BytesOf(message)));
+  EXPECT_EQ(request.chunk().data(), std::string(90'000, 'p'));
 }
 
 TEST(SerializedRequestTest, IsTheRequest) {
