@@ -12,6 +12,7 @@
 #include <string>
 
 #include "client/client.h"
+#include "server/heap_tuning.h"
 #include "server/server.h"
 
 namespace curvereg::bench {
@@ -20,6 +21,7 @@ namespace curvereg::bench {
 class LoopbackService {
  public:
   explicit LoopbackService(server::LimitsConfig limits = {}) {
+    server::KeepFreedMemory();
     std::string folder = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr) Fail("no temporary folder");
     folder_ = folder;

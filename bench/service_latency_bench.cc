@@ -43,7 +43,7 @@ struct Drive {
 // 720 x 400 beams, about 224 000 returns.
 Drive MakeDrive() {
   sim::SimulationOptions options = *sim::PresetOptions("mars-yard-sim");
-  options.scanner.pattern.rows = 440;
+  options.scanner.pattern.rows = 400;
   const auto simulation = sim::Simulation::Create(options);
   Drive drive;
   for (int i = 0; i < kNumScans; ++i) {

@@ -2,13 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scan.h"
 
-#include <xxhash.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <string>
+#include <utility>
+
+#ifdef __x86_64__
+#include <xxh_x86dispatch.h>  // the processor's widest instructions, found at run time
+#else
+#include <xxhash.h>
+#endif
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -70,6 +77,23 @@ Spread MeasureSpread(const std::vector<Eigen::Vector3f>& points, size_t stride, 
   return variances[1] <= rounding ? Spread::kLine : Spread::kArea;
 }
 
+std::string DigestText(XXH64_hash_t points_hash, const std::optional<Eigen::Vector3d>& gravity) {
+  if (!gravity.has_value()) return absl::StrFormat("%016x", points_hash);
+  return absl::StrFormat("%016x", XXH3_64bits_withSeed(gravity->data(), 3 * sizeof(double), points_hash));
+}
+
+// Of whole packed points, which need not be aligned.
+int64_t CountFinite(std::string_view points) {
+  int64_t count = 0;
+  for (std::size_t offset = 0; offset < points.size(); offset += sizeof(Eigen::Vector3f)) {
+    float p[3];
+    std::memcpy(p, points.data() + offset, sizeof(p));
+    // 0 times what is not finite is not a number; no branch.
+    count += p[0] * 0.0F + p[1] * 0.0F + p[2] * 0.0F == 0.0F ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace
 
 absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits, const Stop& stop) {
@@ -102,10 +126,47 @@ absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits, const Stop
 
 std::string ScanDigest(const Scan& scan) {
   static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
-  const XXH64_hash_t points_hash = XXH3_64bits(scan.points.data(), scan.points.size() * sizeof(Eigen::Vector3f));
-  if (!scan.gravity.has_value()) return absl::StrFormat("%016x", points_hash);
-  return absl::StrFormat("%016x", XXH3_64bits_withSeed(scan.gravity->data(), 3 * sizeof(double), points_hash));
+  return DigestText(XXH3_64bits(scan.points.data(), scan.points.size() * sizeof(Eigen::Vector3f)), scan.gravity);
 }
+
+struct ScanDigester::State {
+  XXH3_state_t* const hash = XXH3_createState();
+  int64_t num_finite = 0;
+  std::array<char, sizeof(Eigen::Vector3f)> partial{};  // the beginning of a point
+  std::size_t partial_size = 0;
+};
+
+ScanDigester::ScanDigester() : state_(std::make_unique<State>()) { XXH3_64bits_reset(state_->hash); }
+ScanDigester::ScanDigester(ScanDigester&&) noexcept = default;
+ScanDigester& ScanDigester::operator=(ScanDigester&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+ScanDigester::~ScanDigester() {
+  if (state_ != nullptr) XXH3_freeState(state_->hash);
+}
+
+void ScanDigester::Update(std::string_view bytes) {
+  XXH3_64bits_update(state_->hash, bytes.data(), bytes.size());
+  if (state_->partial_size > 0) {
+    const std::size_t size = std::min(state_->partial.size() - state_->partial_size, bytes.size());
+    std::memcpy(state_->partial.data() + state_->partial_size, bytes.data(), size);
+    state_->partial_size += size;
+    bytes.remove_prefix(size);
+    if (state_->partial_size < state_->partial.size()) return;
+    state_->num_finite += CountFinite({state_->partial.data(), state_->partial.size()});
+  }
+  const std::size_t whole = bytes.size() / sizeof(Eigen::Vector3f) * sizeof(Eigen::Vector3f);
+  state_->num_finite += CountFinite(bytes.substr(0, whole));
+  state_->partial_size = bytes.size() - whole;
+  std::memcpy(state_->partial.data(), bytes.data() + whole, state_->partial_size);
+}
+
+std::string ScanDigester::Digest(const std::optional<Eigen::Vector3d>& gravity) const {
+  return DigestText(XXH3_64bits_digest(state_->hash), gravity);
+}
+
+int64_t ScanDigester::num_finite_points() const { return state_->num_finite; }
 
 Scan TransformScan(const Scan& scan, const Eigen::Isometry3d& T_new_old) {
   Scan result;

@@ -11,8 +11,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -40,6 +42,24 @@ absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits = {}, const
 // 16 hexadecimal digits (XXH3-64 of the packed little-endian float32 coordinates and the gravity vector, if any):
 // equal scans have equal digests.
 std::string ScanDigest(const Scan& scan);
+
+// The same digest of points that come piece by piece, and how many of them are finite. Movable.
+class ScanDigester {
+ public:
+  ScanDigester();
+  ScanDigester(ScanDigester&&) noexcept;
+  ScanDigester& operator=(ScanDigester&&) noexcept;
+  ~ScanDigester();
+
+  // More bytes of the packed little-endian float32 coordinates, cut anywhere.
+  void Update(std::string_view bytes);
+  std::string Digest(const std::optional<Eigen::Vector3d>& gravity) const;
+  int64_t num_finite_points() const;  // of the points that are complete
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 // The scan seen from another frame: points and gravity mapped by T_new_old. Points that are not finite stay so.
 Scan TransformScan(const Scan& scan, const Eigen::Isometry3d& T_new_old);

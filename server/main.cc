@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // curvereg-server: exit status 0 after a shutdown that was asked for, 1 when it cannot serve, 2 for wrong settings.
+#include <google/protobuf/stubs/logging.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -21,6 +22,7 @@
 #include "server/access.h"
 #include "server/command_line.h"
 #include "server/config_sources.h"
+#include "server/heap_tuning.h"
 #include "server/logging.h"
 #include "server/server.h"
 #include "server/settings.h"
@@ -73,6 +75,8 @@ void LogListening(const ServerConfig& config, const Server& server, Logger& logg
 
 ExitStatus ServeUntilSignal(const ServerConfig& config, const std::string& ports_file) {
   const TerminationSignals signals;  // before any thread exists
+  KeepFreedMemory();
+  google::protobuf::SetLogHandler(nullptr);  // it would print what clients sent, past our log
   absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config.log, stderr);
   if (!logger.ok()) return Fail(logger.status());
   RemoveOldPorts(ports_file);

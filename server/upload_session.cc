@@ -11,6 +11,7 @@
 #include "wire/digest.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
+#include "wire/point_layout.h"
 
 namespace curvereg::server {
 namespace {
@@ -139,6 +140,9 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::Start(v1::UploadScanStart&
   });
   if (!begun.ok()) return begun;
   if (writer_->committed_offset() > 0) environment_.metrics->UploadResumed();
+  const bool is_plain =
+      description_.header.encoding() == v1::POINT_ENCODING_RAW && wire::IsPackedFloats(description_.header.layout());
+  if (is_plain && writer_->committed_offset() == 0) digester_.emplace();
   v1::UploadScanResponse response;
   response.mutable_ready()->set_committed_offset(writer_->committed_offset());
   response.mutable_ready()->set_max_chunk_bytes(environment_.limits.max_chunk_bytes);
@@ -175,6 +179,7 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::Append(const v1::PayloadCh
     return wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "a chunk does not have the CRC-32C that came with it");
   }
   if (const absl::Status appended = writer_->Append(chunk.offset(), chunk.data()); !appended.ok()) return appended;
+  if (digester_.has_value()) digester_->Update(chunk.data());
   v1::UploadScanResponse response;
   response.mutable_progress()->set_committed_offset(writer_->committed_offset());
   return response;
@@ -204,6 +209,10 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::DecodeAndCommit(const v1::
     const absl::StatusOr<v1::Digest> actual = writer_->PayloadDigest();
     if (!actual.ok()) return actual.status();
     if (const absl::Status same = CheckDigest(declared, *actual); !same.ok()) return same;
+    if (digester_.has_value()) {
+      const std::optional<Eigen::Vector3d> gravity = wire::GravityOf(description_.header);
+      return Commit(static_cast<uint64_t>(digester_->num_finite_points()), digester_->Digest(gravity));
+    }
   }
   const absl::StatusOr<MemoryBudget::Reservation> reservation =
       environment_.memory->Reserve(FinishingBytes(description_));
@@ -217,10 +226,15 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::DecodeAndCommit(const v1::
   const absl::StatusOr<Scan> scan =
       wire::DecodeScan(description_.header, *payload, DecodingLimits(environment_.limits));
   if (!scan.ok()) return scan.status();
-  const absl::StatusOr<UploadWriter::Committed> committed = writer_->Commit(CountFinite(*scan), ScanDigest(*scan));
+  return Commit(CountFinite(*scan), ScanDigest(*scan));
+}
+
+absl::StatusOr<v1::UploadScanResponse> UploadSession::Commit(uint64_t finite_point_count,
+                                                             const std::string& content_digest) {
+  const absl::StatusOr<UploadWriter::Committed> committed = writer_->Commit(finite_point_count, content_digest);
   if (!committed.ok()) return committed.status();
   environment_.metrics->UploadCompleted(description_.payload_bytes);
-  environment_.metrics->ScanReceived(scan->points.size());
+  environment_.metrics->ScanReceived(description_.header.point_count());
   return Done(committed->scan, committed->already_stored);
 }
 

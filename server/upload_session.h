@@ -16,6 +16,7 @@
 #include <unordered_map>
 
 #include "absl/status/statusor.h"
+#include "core/scan.h"
 #include "curvereg/v1/scan_service.pb.h"
 #include "server/memory_budget.h"
 #include "server/metrics.h"
@@ -70,6 +71,7 @@ class UploadSession {
   absl::StatusOr<v1::UploadScanResponse> Finish(const v1::UploadScanFinish& finish);
   absl::StatusOr<std::optional<StoredScan>> FindKnown() const;
   absl::StatusOr<v1::UploadScanResponse> DecodeAndCommit(const v1::Digest& declared);
+  absl::StatusOr<v1::UploadScanResponse> Commit(uint64_t finite_point_count, const std::string& content_digest);
   absl::Status CheckDigest(const v1::Digest& declared, const v1::Digest& actual);
   absl::Status OffsetError(std::string_view message) const;
 
@@ -77,6 +79,9 @@ class UploadSession {
   const std::stop_source replaced_;
   UploadDescription description_;         // as `start` told it; id empty before
   std::unique_ptr<UploadWriter> writer_;  // from `start` on
+  // Of all bytes so far, where they are points as the core has them and all came in this stream: then nothing needs to
+  // be read again and decoded at the end.
+  std::optional<ScanDigester> digester_;
 };
 
 }  // namespace curvereg::server

@@ -121,4 +121,9 @@ uint64_t BlockBytes(const v1::PointCloudHeader& header) {
   return is_beyond ? std::numeric_limits<uint64_t>::max() : bytes;
 }
 
+std::optional<Eigen::Vector3d> GravityOf(const v1::PointCloudHeader& header) {
+  if (!header.has_gravity()) return std::nullopt;
+  return Eigen::Vector3d(header.gravity().x(), header.gravity().y(), header.gravity().z());
+}
+
 }  // namespace curvereg::wire

@@ -5,7 +5,9 @@
 #ifndef CURVEREG_WIRE_CLOUD_HEADER_H_
 #define CURVEREG_WIRE_CLOUD_HEADER_H_
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "absl/status/status.h"
 #include "curvereg/v1/point_cloud.pb.h"
@@ -27,6 +29,9 @@ absl::Status ValidateHeader(const v1::PointCloudHeader& header, uint64_t payload
 
 // Bytes of the packed block before compression; the greatest number where 64 bits do not hold it.
 uint64_t BlockBytes(const v1::PointCloudHeader& header);
+
+// Of a header that passed ValidateHeader.
+std::optional<Eigen::Vector3d> GravityOf(const v1::PointCloudHeader& header);
 
 }  // namespace curvereg::wire
 

@@ -4,11 +4,16 @@
 
 #include <isa-l/crc.h>
 #include <openssl/evp.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <cassert>
 #include <utility>
+
+#ifdef __x86_64__
+#include <xxh_x86dispatch.h>  // the processor's widest instructions, found at run time
+#else
+#include <xxhash.h>
+#endif
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"

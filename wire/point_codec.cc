@@ -159,7 +159,7 @@ absl::StatusOr<Scan> DecodeScan(const v1::PointCloudHeader& header, std::string_
       DecodeShuffled(planes->View(), header.layout(), scan.points);
     }
   }
-  if (header.has_gravity()) scan.gravity.emplace(header.gravity().x(), header.gravity().y(), header.gravity().z());
+  scan.gravity = GravityOf(header);
   return scan;
 }
 

@@ -91,7 +91,7 @@ absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& argumen
     service.client_ = *std::move(client);
     return service;
   }
-  absl::StatusOr<std::unique_ptr<server::Server>> local = server::Server::StartInProcess({});
+  absl::StatusOr<std::unique_ptr<server::Server>> local = server::Server::StartInProcess(server::ServerConfig());
   if (!local.ok()) return local.status();
   service.local_ = *std::move(local);
   // Nobody waits for this process but its user, who can interrupt it.
