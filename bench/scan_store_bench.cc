@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/scan_store.h"
+#include "server/store/scan_store.h"
 #include "wire/digest.h"
 
 namespace curvereg::server {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/page_token.h"
-#include "server/scan_store.h"
+#include "server/store/page_token.h"
+#include "server/store/scan_store.h"
 #include "wire/digest.h"
 #include "wire/error.h"
 

@@ -16,9 +16,9 @@
 
 #include "absl/status/status.h"
 #include "core/stop.h"
-#include "server/access.h"
-#include "server/logging.h"
-#include "server/metrics.h"
+#include "server/access/access.h"
+#include "server/operations/logging.h"
+#include "server/operations/metrics.h"
 
 namespace curvereg::server {
 

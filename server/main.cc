@@ -19,14 +19,14 @@
 
 #include "client/files/atomic_file.h"
 #include "core/register_scans.h"
-#include "server/access.h"
-#include "server/command_line.h"
-#include "server/config_sources.h"
+#include "server/access/access.h"
 #include "server/heap_tuning.h"
-#include "server/logging.h"
+#include "server/operations/logging.h"
 #include "server/server.h"
-#include "server/settings.h"
-#include "server/small_file.h"
+#include "server/settings/command_line.h"
+#include "server/settings/config_sources.h"
+#include "server/settings/settings.h"
+#include "server/settings/small_file.h"
 #include "server/termination_signals.h"
 
 namespace curvereg::server {

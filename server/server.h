@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
-#include "server/server_config.h"
+#include "server/settings/server_config.h"
 
 namespace curvereg::server {
 

@@ -40,11 +40,12 @@ struct Stored {
     *response.mutable_scan() = description;
     return writer.Write(response);
   }
-  bool SendChunk(Script::DownloadWriter& writer, uint64_t offset, bool damaged = false) const {
+  bool SendChunk(Script::DownloadWriter& writer, uint64_t offset, uint64_t size = kChunkBytes,
+                 bool damaged = false) const {
     v1::DownloadScanResponse response;
     v1::PayloadChunk& chunk = *response.mutable_chunk();
     chunk.set_offset(offset);
-    chunk.set_data(cloud.data().substr(offset, kChunkBytes));
+    chunk.set_data(cloud.data().substr(offset, size));
     chunk.set_crc32c(wire::Crc32c(chunk.data()));
     if (damaged) (*chunk.mutable_data())[0] ^= 1;
     return writer.Write(response);
@@ -103,7 +104,8 @@ TEST(DownloadTest, AsksAgainForADamagedChunk) {
     offsets.push_back(request.offset());
     stored.SendScan(writer);
     for (uint64_t at = request.offset(); at < stored.cloud.data().size(); at += Stored::kChunkBytes) {
-      if (!stored.SendChunk(writer, at, offsets.size() == 1 && at == 2 * Stored::kChunkBytes)) break;
+      if (!stored.SendChunk(writer, at, Stored::kChunkBytes, offsets.size() == 1 && at == 2 * Stored::kChunkBytes))
+        break;
     }
     return grpc::Status::OK;
   }));
@@ -162,6 +164,31 @@ TEST(DownloadTest, AServerThatFallsSilentIsAskedAgain) {
   const auto loaded = ConnectTo(server.target(), options)->DownloadScan("scans/a");
   EXPECT_TRUE(loaded.ok()) << loaded.status();
   EXPECT_EQ(num_streams, 2);
+}
+
+// Chunks of the size asked for take longer than the client's patience, smaller ones do not.
+TEST(DownloadTest, GetsThroughASlowLink) {
+  constexpr uint64_t kBytesPerMillisecond = 250;
+  const Scan scan = StrewnScan();
+  const Stored stored(scan);
+  const ScriptedServer server(WithDownload([&](auto& context, const auto& request, auto& writer) {
+    stored.SendScan(writer);
+    for (uint64_t at = request.offset(); at < stored.cloud.data().size(); at += request.chunk_bytes()) {
+      const uint64_t size = std::min<uint64_t>(request.chunk_bytes(), stored.cloud.data().size() - at);
+      for (uint64_t i = 0; i < size / kBytesPerMillisecond && !context.IsCancelled(); ++i) {
+        std::this_thread::sleep_for(milliseconds(1));
+      }
+      if (context.IsCancelled()) return grpc::Status::CANCELLED;
+      stored.SendChunk(writer, at, size);
+    }
+    return grpc::Status::OK;
+  }));
+  ClientOptions options = QuickOptions();
+  options.keepalive_interval = milliseconds(200);
+  options.keepalive_timeout = milliseconds(100);
+  const auto loaded = ConnectTo(server.target(), options)->DownloadScan("scans/a");
+  ASSERT_TRUE(loaded.ok()) << loaded.status();
+  EXPECT_EQ(loaded->points.size(), scan.points.size());
 }
 
 }  // namespace

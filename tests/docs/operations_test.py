@@ -53,7 +53,7 @@ class Documents(unittest.TestCase):
         self.assertEqual([(names([row[0]])[0], row[1]) for row in rows("Errors")], [(b, a) for a, b in registry])
 
     def test_limits(self):
-        section = re.search(r"struct LimitsConfig \{(.*?)\n\};", (ROOT / "server/server_config.h").read_text(), re.S)
+        section = re.search(r"struct LimitsConfig \{(.*?)\n\};", (ROOT / "server/settings/server_config.h").read_text(), re.S)
         fields = re.findall(r"(\w+) = ", section.group(1))
         self.assertEqual(names(row[0] for row in rows("Limits")), [f"limits.{field}" for field in fields])
         reasons = {names([row[0]])[0] for row in rows("Errors")}

@@ -23,8 +23,8 @@
 #include <thread>
 #include <vector>
 
-#include "server/scan_store.h"
-#include "tests/server/store_testing.h"
+#include "server/store/scan_store.h"
+#include "tests/server/store/store_testing.h"
 
 namespace curvereg::server {
 namespace {

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a server counts, for Prometheus. Names and labels are listed in docs/operations.md; a test holds the two equal.
+#ifndef CURVEREG_SERVER_OPERATIONS_METRICS_H_
+#define CURVEREG_SERVER_OPERATIONS_METRICS_H_
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/registration_result.h"
+
+namespace curvereg::server {
+
+class Metrics {
+ public:
+  Metrics();
+  ~Metrics();
+
+  // One call: `method` as "RegisterScans", `service` as "curvereg.v1.RegistrationService".
+  void RpcStarted(const std::string& service, const std::string& method);
+  void RpcHandled(const std::string& service, const std::string& method, const std::string& code,
+                  std::chrono::nanoseconds duration);
+  void MessageReceived(const std::string& service, const std::string& method);  // of a stream or a unary call
+  void MessageSent(const std::string& service, const std::string& method);
+
+  void Rejected(const std::string& reason);  // a refusal with RetryInfo, by ErrorReason
+  void QueueWaited(std::chrono::nanoseconds duration);
+  void Registered(const RegistrationResult& result);  // stage times, verdict by reason, residual, overlap
+  void ScanReceived(uint64_t num_points);
+  void UploadResumed();
+  void UploadCompleted(uint64_t num_bytes);
+  void ChecksumFailed();
+
+  // Values asked for at each scrape: called on the operations port's thread.
+  void SetGauge(const std::string& name, const std::string& help, std::function<double()> read);
+  void SetCounter(const std::string& name, const std::string& help, std::function<double()> read);
+
+  // Prometheus text format 0.0.4.
+  std::string Text() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace curvereg::server
+
+#endif  // CURVEREG_SERVER_OPERATIONS_METRICS_H_

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/registration/method_list.h"
+
+#include <limits>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "core/register_scans.h"
+#include "wire/conversion.h"
+
+namespace curvereg::server {
+namespace {
+
+std::string DescriptionOf(Method method) {
+  switch (method) {
+    case Method::kCurvelet:
+      return "Bird's-eye curvelet features, refinement and verification; climbs to dearer settings while it is not "
+             "sure. Any attitude and heading, on terrain and in structured places.";
+    case Method::kPaper:
+      return "The published pipeline to the letter: panoramas, motions of decimetres.";
+    case Method::kFpfhSacIa:
+      return "FPFH features with SAC-IA: the paper's first rival.";
+    case Method::kHarris3dFpfh:
+      return "Harris-3D key points with FPFH features: the paper's second rival.";
+    case Method::kIcp:
+      return "Refinement alone, from the prior, else from the identity; judged like any other pose.";
+  }
+  return "";
+}
+
+v1::MethodOption& Add(const std::string& name, const std::string& description, v1::MethodInfo& info) {
+  v1::MethodOption& option = *info.add_options();
+  option.set_name(name);
+  option.set_description(description);
+  return option;
+}
+
+void AddOptions(Method method, const LimitsConfig& limits, v1::MethodInfo& info) {
+  const bool heeds_prior = method == Method::kCurvelet || method == Method::kIcp;
+  if (heeds_prior) {
+    Add("prior.t_target_source",
+        method == Method::kIcp ? "Where the refinement begins; absent: the identity."
+                               : "A guess, tried as one more pose.",
+        info)
+        .set_unit("m, unit quaternion");
+    Add("prior.covariance", "How sure the guess is: poses beyond five standard deviations are not considered.", info)
+        .set_unit("rad^2, rad m, m^2");
+  } else {
+    v1::MethodOption& seed = Add("seed", "Of the random choices: the same seed gives the same result.", info);
+    seed.set_default_value(absl::StrCat(RegistrationOptions().seed));
+    seed.set_min_value(0.0);
+    seed.set_max_value(static_cast<double>(std::numeric_limits<uint64_t>::max()));
+  }
+  if (method != Method::kFpfhSacIa && method != Method::kHarris3dFpfh) {
+    v1::MethodOption& threads =
+        Add("max_threads", "Most threads to use; changes the time, never the result. 0: as many as allowed.", info);
+    threads.set_default_value("0");
+    threads.set_min_value(0.0);
+    threads.set_max_value(limits.max_threads_per_registration);
+  }
+  v1::MethodOption& budget = Add("time_budget", "At its end the answer is the best pose so far, marked.", info);
+  budget.set_unit("s");
+  budget.set_min_value(1e-9);
+}
+
+}  // namespace
+
+v1::ListMethodsResponse DescribeMethods(const LimitsConfig& limits) {
+  v1::ListMethodsResponse response;
+  for (const Method method : AllMethods()) {
+    v1::MethodInfo& info = *response.add_methods();
+    info.set_method(wire::ToWire(method));
+    info.set_name(std::string(MethodName(method)));
+    info.set_description(DescriptionOf(method));
+    info.set_available(IsAvailable(method));
+    AddOptions(method, limits, info);
+  }
+  v1::ServerLimits& wire_limits = *response.mutable_limits();
+  wire_limits.set_max_message_bytes(limits.max_message_bytes);
+  wire_limits.set_max_scan_points(limits.max_scan_points);
+  wire_limits.set_max_scan_bytes(limits.max_scan_bytes);
+  wire_limits.set_max_chunk_bytes(limits.max_chunk_bytes);
+  wire_limits.set_max_threads(static_cast<uint32_t>(limits.max_threads_per_registration));
+  wire_limits.set_max_concurrent_registrations(static_cast<uint32_t>(limits.max_concurrent_registrations));
+  wire_limits.set_max_queue_length(static_cast<uint32_t>(limits.max_queue_length));
+  response.set_build_id(BuildId());
+  return response;
+}
+
+}  // namespace curvereg::server

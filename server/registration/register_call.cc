@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/registration/register_call.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/parallel.h"
+#include "core/register_scans.h"
+#include "wire/conversion.h"
+#include "wire/error.h"
+
+namespace curvereg::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr MethodTraits kTraits = {"curvereg.v1.RegistrationService", "RegisterScans", Scope::kRead};
+constexpr std::chrono::milliseconds kMinMargin{50};
+constexpr std::chrono::milliseconds kMaxMargin{1000};
+
+bool NeedsPreparation(Method method) { return method == Method::kCurvelet || method == Method::kIcp; }
+
+}  // namespace
+
+Clock::time_point AnswerBy(Clock::time_point now, Clock::time_point deadline) {
+  return deadline - std::clamp<Clock::duration>((deadline - now) / 10, kMinMargin, kMaxMargin);
+}
+
+RegisterCall::RegisterCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
+                           const v1::RegisterScansRequest& request, v1::RegisterScansResponse& response)
+    : ComputingCall(backend, kTraits, context), request_(request), response_(response) {}
+
+absl::StatusOr<uint64_t> RegisterCall::Check() {
+  absl::StatusOr<RegistrationOptions> options =
+      wire::FromWire(request_.options(), backend().limits.max_threads_per_registration);
+  if (!options.ok()) return wire::WithinField("options", options.status());
+  options_ = *std::move(options);
+  if (!v1::ResultView_IsValid(request_.view())) return wire::FieldError("view", "not a view that this server knows");
+  if (!IsAvailable(options_.method)) {
+    return wire::MakeError(v1::ERROR_REASON_METHOD_UNAVAILABLE,
+                           absl::StrCat("this build leaves out ", std::string(MethodName(options_.method))));
+  }
+  absl::StatusOr<ScanSide> source = ScanSide::Find(request_.source(), "source", backend());
+  if (!source.ok()) return source.status();
+  absl::StatusOr<ScanSide> target = ScanSide::Find(request_.target(), "target", backend());
+  if (!target.ok()) return target.status();
+  source_ = *std::move(source);
+  target_ = *std::move(target);
+  return source_->MemoryBytes() + target_->MemoryBytes();
+}
+
+absl::Status RegisterCall::Compute(const Stop& stop) {
+  const Clock::time_point now = Clock::now();
+  options_.cancellation = stop.cancellation;
+  if (stop.deadline.has_value()) options_.deadline = AnswerBy(now, *stop.deadline);
+  if (options_.time_budget_s.has_value()) {  // decoding and preparing count, too
+    const Clock::time_point end = now + std::chrono::duration_cast<Clock::duration>(
+                                            std::chrono::duration<double>(std::min(*options_.time_budget_s, 1e6)));
+    options_.deadline = std::min(end, options_.deadline.value_or(end));
+  }
+  const absl::StatusOr<RegistrationResult> result = Register();
+  if (!result.ok()) return result.status();
+  backend().calls.metrics->Registered(*result);
+  if (request_.view() == v1::RESULT_VIEW_SUMMARY) {
+    *response_.mutable_summary() = wire::ToSummary(*result);
+  } else {
+    *response_.mutable_result() = wire::ToWire(*result);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<RegistrationResult> RegisterCall::Register() const {
+  // Nothing to keep of inline scans: the core prepares both at once.
+  if (!NeedsPreparation(options_.method) || (!source_->is_stored() && !target_->is_stored())) return RegisterDecoded();
+  return RegisterPrepared();
+}
+
+absl::StatusOr<RegistrationResult> RegisterCall::RegisterDecoded() const {
+  const absl::StatusOr<std::shared_ptr<const Scan>> source = source_->Decode();
+  if (!source.ok()) return source.status();
+  const absl::StatusOr<std::shared_ptr<const Scan>> target = target_->Decode();
+  if (!target.ok()) return target.status();
+  absl::StatusOr<RegistrationResult> result = RegisterScans(**source, **target, options_);
+  if (!absl::IsInvalidArgument(result.status())) return result;
+  // The core does not tell which of the two it was.
+  const absl::Status of_source = ValidateScan(**source, options_.limits);
+  return of_source.ok() ? target_->Named(result.status()) : source_->Named(of_source);
+}
+
+absl::StatusOr<RegistrationResult> RegisterCall::RegisterPrepared() const {
+  const Clock::time_point start = Clock::now();
+  const Stop stop{options_.cancellation, options_.deadline};
+  std::array<absl::StatusOr<std::shared_ptr<const PreparedScan>>, 2> prepared = {nullptr, nullptr};
+  WithThreadLimit(options_.num_threads, [&] {
+    ParallelFor(2, [&](int i) { prepared[static_cast<size_t>(i)] = (i == 0 ? source_ : target_)->Prepare(stop); });
+  });
+  for (const auto& scan : prepared) {
+    if (absl::IsDeadlineExceeded(scan.status())) return OutOfTimeResult(options_);
+    if (!scan.ok()) return scan.status();
+  }
+  const double preparation_s = std::chrono::duration<double>(Clock::now() - start).count();
+  absl::StatusOr<RegistrationResult> result = RegisterPreparedScans(**prepared[0], **prepared[1], options_);
+  source_->UpdateCache();
+  target_->UpdateCache();
+  if (!result.ok()) return result;
+  result->stage_times.insert(result->stage_times.begin(), StageTime{"preparation", preparation_s});
+  result->total_seconds += preparation_s;
+  return result;
+}
+
+}  // namespace curvereg::server

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/registration/registration_service.h"
+
+#include "server/registration/method_list.h"
+#include "server/registration/register_call.h"
+#include "server/registration/render_call.h"
+
+namespace curvereg::server {
+namespace {
+
+constexpr MethodTraits kListMethods = {"curvereg.v1.RegistrationService", "ListMethods", Scope::kRead};
+
+}  // namespace
+
+grpc::ServerUnaryReactor* RegistrationService::RegisterScans(grpc::CallbackServerContext* context,
+                                                             const v1::RegisterScansRequest* request,
+                                                             v1::RegisterScansResponse* response) {
+  return (new RegisterCall(backend_, *context, *request, *response))->Start();
+}
+
+grpc::ServerUnaryReactor* RegistrationService::ListMethods(grpc::CallbackServerContext* context,
+                                                           const v1::ListMethodsRequest*,
+                                                           v1::ListMethodsResponse* response) {
+  Call call(backend_.calls, kListMethods, *context);
+  call.CountReceived();
+  if (call.admitted().ok()) {
+    *response = DescribeMethods(backend_.limits);
+    call.CountSent();
+  }
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(call.Finish(call.admitted()));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* RegistrationService::RenderScan(grpc::CallbackServerContext* context,
+                                                          const v1::RenderScanRequest* request,
+                                                          v1::RenderScanResponse* response) {
+  return (new RenderCall(backend_, *context, *request, *response))->Start();
+}
+
+}  // namespace curvereg::server

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/scans/scan_service.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "server/scans/disk_task.h"
+#include "server/scans/scan_conversion.h"
+#include "wire/error.h"
+
+namespace curvereg::server {
+namespace {
+
+constexpr char kService[] = "curvereg.v1.ScanService";
+constexpr MethodTraits kGetUpload = {kService, "GetUpload", Scope::kRead};
+constexpr MethodTraits kGetScan = {kService, "GetScan", Scope::kRead};
+constexpr MethodTraits kListScans = {kService, "ListScans", Scope::kRead};
+constexpr MethodTraits kDeleteScan = {kService, "DeleteScan", Scope::kWrite};
+
+constexpr int kDefaultPageSize = 100;
+constexpr int kMaxPageSize = 1000;
+
+// A call with one request and one answer, whose work is one task of the disk pool. Finish is called when the task is
+// over, by whoever has its end; nobody touches the object after that but gRPC.
+class UnaryScanCall final : public grpc::ServerUnaryReactor {
+ public:
+  UnaryScanCall(const ScanBackend& backend, const MethodTraits& traits, grpc::CallbackServerContext& context)
+      : backend_(backend), call_(backend.calls, traits, context) {}
+
+  // `work` uses request and response, which gRPC keeps until OnDone.
+  grpc::ServerUnaryReactor* Start(std::function<absl::Status()> work) {
+    call_.CountReceived();
+    if (call_.admitted().ok()) {
+      RunOnDiskPool(*backend_.disk_pool, call_, {std::move(work), [this](const absl::Status& status) { End(status); }});
+    } else {
+      End(call_.admitted());
+    }
+    return this;
+  }
+
+  void OnCancel() override { call_.Cancel(); }  // a task that waits is dropped; one that runs ends soon
+  void OnDone() override { delete this; }
+
+ private:
+  ~UnaryScanCall() override = default;
+
+  void End(const absl::Status& status) {
+    if (status.ok()) call_.CountSent();
+    Finish(call_.Finish(status));
+  }
+
+  const ScanBackend& backend_;
+  Call call_;
+};
+
+absl::Status GetUploadWork(ScanStore& store, const v1::GetUploadRequest& request, v1::GetUploadResponse& response) {
+  const absl::StatusOr<std::string> id = UploadIdOf(request.upload(), "upload");
+  if (!id.ok()) return id.status();
+  const absl::StatusOr<UploadState> upload = store.GetUpload(*id);
+  if (!upload.ok()) return upload.status();
+  response.set_upload(request.upload());
+  response.set_committed_offset(upload->committed_offset);
+  response.set_payload_bytes(upload->description.payload_bytes);
+  *response.mutable_expire_time() = ToWire(upload->expire_time);
+  return absl::OkStatus();
+}
+
+absl::Status GetScanWork(ScanStore& store, const v1::GetScanRequest& request, v1::GetScanResponse& response) {
+  const absl::StatusOr<std::string> id = ScanIdOf(request.name(), "name");
+  if (!id.ok()) return id.status();
+  const absl::StatusOr<StoredScan> scan = store.GetScan(*id);
+  if (!scan.ok()) return scan.status();
+  *response.mutable_scan() = ToWire(*scan);
+  return absl::OkStatus();
+}
+
+absl::Status ListScansWork(ScanStore& store, const v1::ListScansRequest& request, v1::ListScansResponse& response) {
+  if (request.page_size() < 0) return wire::FieldError("page_size", "must not be below 0");
+  const int page_size = request.page_size() == 0 ? kDefaultPageSize : std::min(request.page_size(), kMaxPageSize);
+  absl::StatusOr<ScanPage> page = store.ListScans(page_size, request.page_token());
+  if (!page.ok()) return page.status();
+  for (const StoredScan& scan : page->scans) *response.add_scans() = ToWire(scan);
+  response.set_next_page_token(std::move(page->next_page_token));
+  return absl::OkStatus();
+}
+
+absl::Status DeleteScanWork(const ScanBackend& backend, const v1::DeleteScanRequest& request) {
+  const absl::StatusOr<std::string> id = ScanIdOf(request.name(), "name");
+  if (!id.ok()) return id.status();
+  const absl::Status deleted = backend.store->DeleteScan(*id);
+  if (deleted.ok() && backend.cache != nullptr) backend.cache->Erase(request.name());
+  return deleted;
+}
+
+}  // namespace
+
+ScanService::ScanService(const ScanBackend& backend)
+    : backend_(backend),
+      uploads_{backend.calls,
+               {backend.limits, backend.memory, backend.store, backend.calls.metrics, &upload_owners_},
+               backend.disk_pool},
+      downloads_{backend.calls, backend.limits, backend.store, backend.disk_pool} {}
+
+grpc::ServerBidiReactor<v1::UploadScanRequest, v1::UploadScanResponse>* ScanService::UploadScan(
+    grpc::CallbackServerContext* context) {
+  return new UploadStream(uploads_, *context);
+}
+
+grpc::ServerWriteReactor<v1::DownloadScanResponse>* ScanService::DownloadScan(grpc::CallbackServerContext* context,
+                                                                              const v1::DownloadScanRequest* request) {
+  return new DownloadStream(downloads_, *context, *request);
+}
+
+grpc::ServerUnaryReactor* ScanService::GetUpload(grpc::CallbackServerContext* context,
+                                                 const v1::GetUploadRequest* request, v1::GetUploadResponse* response) {
+  return (new UnaryScanCall(backend_, kGetUpload, *context))->Start([this, request, response] {
+    return GetUploadWork(*backend_.store, *request, *response);
+  });
+}
+
+grpc::ServerUnaryReactor* ScanService::GetScan(grpc::CallbackServerContext* context, const v1::GetScanRequest* request,
+                                               v1::GetScanResponse* response) {
+  return (new UnaryScanCall(backend_, kGetScan, *context))->Start([this, request, response] {
+    return GetScanWork(*backend_.store, *request, *response);
+  });
+}
+
+grpc::ServerUnaryReactor* ScanService::ListScans(grpc::CallbackServerContext* context,
+                                                 const v1::ListScansRequest* request, v1::ListScansResponse* response) {
+  return (new UnaryScanCall(backend_, kListScans, *context))->Start([this, request, response] {
+    return ListScansWork(*backend_.store, *request, *response);
+  });
+}
+
+grpc::ServerUnaryReactor* ScanService::DeleteScan(grpc::CallbackServerContext* context,
+                                                  const v1::DeleteScanRequest* request, v1::DeleteScanResponse*) {
+  return (new UnaryScanCall(backend_, kDeleteScan, *context))->Start([this, request] {
+    return DeleteScanWork(backend_, *request);
+  });
+}
+
+}  // namespace curvereg::server

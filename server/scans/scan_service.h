@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// ScanService: the store over the wire. Disk work and decoding happen on a pool of their own, never in a reactor.
+#ifndef CURVEREG_SERVER_SCANS_SCAN_SERVICE_H_
+#define CURVEREG_SERVER_SCANS_SCAN_SERVICE_H_
+
+#include "curvereg/v1/scan_service.grpc.pb.h"
+#include "server/call.h"
+#include "server/scans/download_stream.h"
+#include "server/scans/upload_session.h"
+#include "server/scans/upload_stream.h"
+#include "server/scheduling/memory_budget.h"
+#include "server/scheduling/prepared_scan_cache.h"
+#include "server/scheduling/worker_pool.h"
+#include "server/settings/server_config.h"
+#include "server/store/scan_store.h"
+
+namespace curvereg::server {
+
+// What the service works with. All outlive it.
+struct ScanBackend {
+  CallEnvironment calls;
+  LimitsConfig limits;              // resolved
+  WorkerPool* disk_pool = nullptr;  // its queue is bounded by the open streams: each has at most one task in it
+  MemoryBudget* memory = nullptr;
+  PreparedScanCache* cache = nullptr;  // DeleteScan forgets there, too
+  ScanStore* store = nullptr;
+};
+
+class ScanService final : public v1::ScanService::CallbackService {
+ public:
+  explicit ScanService(const ScanBackend& backend);
+
+  grpc::ServerBidiReactor<v1::UploadScanRequest, v1::UploadScanResponse>* UploadScan(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerWriteReactor<v1::DownloadScanResponse>* DownloadScan(grpc::CallbackServerContext* context,
+                                                                   const v1::DownloadScanRequest* request) override;
+  grpc::ServerUnaryReactor* GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
+                                      v1::GetUploadResponse* response) override;
+  grpc::ServerUnaryReactor* GetScan(grpc::CallbackServerContext* context, const v1::GetScanRequest* request,
+                                    v1::GetScanResponse* response) override;
+  grpc::ServerUnaryReactor* ListScans(grpc::CallbackServerContext* context, const v1::ListScansRequest* request,
+                                      v1::ListScansResponse* response) override;
+  grpc::ServerUnaryReactor* DeleteScan(grpc::CallbackServerContext* context, const v1::DeleteScanRequest* request,
+                                       v1::DeleteScanResponse* response) override;
+
+ private:
+  const ScanBackend backend_;
+  UploadOwners upload_owners_;
+  const UploadStream::Environment uploads_;
+  const DownloadStream::Environment downloads_;
+};
+
+}  // namespace curvereg::server
+
+#endif  // CURVEREG_SERVER_SCANS_SCAN_SERVICE_H_

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/page_token.h"
+
+#include <charconv>
+#include <cstddef>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "wire/digest.h"
+
+namespace curvereg::server {
+namespace {
+
+constexpr std::size_t kPlaceDigits = 16;
+
+}  // namespace
+
+std::string TokenOfPlace(int64_t place) {
+  const std::string digits = absl::StrCat(absl::Hex(place, absl::kZeroPad16));
+  return absl::StrCat(digits, absl::Hex(wire::Crc32c("page " + digits), absl::kZeroPad8));
+}
+
+std::optional<int64_t> PlaceOfToken(const std::string& token) {
+  const std::string_view digits = std::string_view(token).substr(0, kPlaceDigits);
+  int64_t place = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), place, 16);
+  // What reads as a number and is written the same, checksum and all, is ours.
+  if (error != std::errc() || place < 0 || TokenOfPlace(place) != token) return std::nullopt;
+  return place;
+}
+
+}  // namespace curvereg::server
