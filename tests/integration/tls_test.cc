@@ -81,7 +81,7 @@ class TlsTest : public ::testing::Test {
       options.tls.certificate_file = certificates_.Pem(leaf);
       options.tls.key_file = certificates_.Key(leaf);
     }
-    options.connect_timeout = std::chrono::seconds(3);
+    options.connect_timeout = std::chrono::seconds(2);
     options.retry.max_attempts = 2;
     return options;
   }
@@ -103,7 +103,7 @@ class TlsTest : public ::testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(out), ReadFile(err)};
   }
   Finished Ask(const std::string& arguments, const std::string& environment = "") const {
-    return Run(environment + " '" CURVEREG_EXECUTABLE "' " + arguments + " --timeout 10 --server " + server_->target());
+    return Run(environment + " '" CURVEREG_EXECUTABLE "' " + arguments + " --timeout 5 --server " + server_->target());
   }
 
   const testing::TemporaryFolder folder_;
@@ -136,7 +136,7 @@ TEST_F(TlsTest, OnlyTheRightAuthorityIsTrusted) {
   EXPECT_THAT(Try(Options("ca")), IsOk());
   EXPECT_EQ(Try(Options("other")).code(), absl::StatusCode::kUnavailable);
   ClientOptions plain;
-  plain.connect_timeout = std::chrono::seconds(3);
+  plain.connect_timeout = std::chrono::seconds(2);
   plain.retry.max_attempts = 2;
   EXPECT_EQ(Try(plain).code(), absl::StatusCode::kUnavailable);
 }
@@ -228,7 +228,7 @@ TEST_F(TlsTest, TheCommandLineTakesItsTokenFromAFileOrTheEnvironment) {
   EXPECT_THAT(without.err, HasSubstr("token"));
   const Finished wrong_authority = Ask("status --tls-ca other.pem --tls-cert rover.pem --tls-key rover.key");
   EXPECT_EQ(wrong_authority.status, 4) << wrong_authority.err;
-  EXPECT_EQ(Ask("status --tls-ca ca.pem").status, 4) << "no certificate of the client's";
+  EXPECT_EQ(Ask("status --tls-ca ca.pem").status, 4) << "there is no certificate of the client";
   EXPECT_EQ(Ask("status" + tls + "--token-file nowhere").status, 2);
 }
 
