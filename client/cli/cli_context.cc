@@ -58,6 +58,10 @@ ExitCode ExitCodeFor(const absl::Status& status) {
 }
 
 ExitCode ReportError(const absl::Status& status) {
+  if (absl::IsCancelled(status)) {  // only the user cancels; the library's words are for programs
+    std::fputs("curvereg: interrupted\n", stderr);
+    return ExitCodeFor(status);
+  }
   const std::string message = status.message().empty() ? status.ToString() : std::string(status.message());
   std::fprintf(stderr, "curvereg: %s\n", message.c_str());
   return ExitCodeFor(status);

@@ -16,6 +16,10 @@ absl::StatusOr<Scan> ReadCloudArgument(const std::string& path, const CliContext
   CloudReadOptions options;
   options.progress = [&](double share) { bar.Update(share); };
   absl::StatusOr<Scan> scan = ReadCloudFile(path, options);
+  if (absl::IsNotFound(scan.status()) && path.rfind("scans/", 0) == 0) {
+    return absl::NotFoundError(absl::StrCat(
+        scan.status().message(), " (a scan that a server keeps is scans/ and 32 hexadecimal digits, with --server)"));
+  }
   if (context.interrupted.stop_requested()) return absl::CancelledError("interrupted");
   return scan;
 }

@@ -6,6 +6,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
@@ -43,7 +44,8 @@ ExitCode ParseAndRun(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return ReportUsage(app, error, argc > 1 ? argv[1] : "");
   }
-  server::KeepFreedMemory();  // the service runs in this process unless --server is given
+  setenv("GRPC_VERBOSITY", "NONE", 0);  // its lines say in many what our error says in one
+  server::KeepFreedMemory();            // the service runs in this process unless --server is given
   const InterruptWatcher watcher;
   for (const Command& command : commands) {
     if (command.app->parsed()) return command.run({.interrupted = watcher.token()});

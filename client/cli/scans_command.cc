@@ -91,16 +91,19 @@ ExitCode Upload(const Arguments& arguments, Client& client, const CliContext& co
   const absl::StatusOr<TransferOptions> options = TransferOf(arguments, context);
   if (!options.ok()) return ReportError(options.status());
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  std::string text;
   for (const std::string& file : arguments.files) {
     const absl::StatusOr<UploadOutcome> outcome = UploadFile(client, file, *options, context);
     if (!outcome.ok()) return ReportError(outcome.status());
     nlohmann::ordered_json entry = {{"file", file}, {"already_stored", outcome->already_stored}};
     entry.update(ScanJson(outcome->scan));
     json.push_back(std::move(entry));
-    absl::StrAppend(&text, outcome->scan.name, "  ", file, outcome->already_stored ? "  (was there already)\n" : "\n");
+    if (arguments.json) continue;
+    // At once: what is stored has its name told, even when a later file fails.
+    const ExitCode printed = PrintResult(
+        absl::StrCat(outcome->scan.name, "  ", file, outcome->already_stored ? "  (was there already)\n" : "\n"));
+    if (printed != ExitCode::kDone) return printed;
   }
-  return PrintResult(arguments.json ? JsonText({{"scans", std::move(json)}}) + "\n" : text);
+  return arguments.json ? PrintResult(JsonText({{"scans", std::move(json)}}) + "\n") : ExitCode::kDone;
 }
 
 ExitCode List(const Arguments& arguments, Client& client) {
@@ -153,7 +156,8 @@ ExitCode Delete(const Arguments& arguments, Client& client) {
 
 ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliContext& context) {
   if (arguments.server.server.empty()) {
-    return ReportError(absl::InvalidArgumentError("scans are kept by servers: give --server HOST:PORT"));
+    return ReportError(
+        absl::InvalidArgumentError("scans are kept by servers: give --server HOST:PORT, or set CURVEREG_SERVER"));
   }
   absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
   if (!service.ok()) return ReportError(service.status());
@@ -176,7 +180,8 @@ Command AddScansCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("scans", "The scans that a server keeps");
   command->require_subcommand(1);
-  CLI::App* upload = AddAction(*command, "upload", "Send scans to a server; after a cut the rest is sent", *arguments);
+  CLI::App* upload =
+      AddAction(*command, "upload", "Send scans to a server; while it runs, cuts are mended", *arguments);
   upload->add_option("FILE", arguments->files, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS")->required();
   upload->add_option("--encoding", arguments->encoding, "raw, lossless (compressed) or quantized (smallest)")
       ->check(CLI::IsMember({"raw", "lossless", "quantized"}))

@@ -4,6 +4,7 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <utility>
 
@@ -32,12 +33,21 @@ absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
   return std::string(absl::StripAsciiWhitespace(std::string(bytes->view())));
 }
 
+// gRPC would look up "http://..." as a host, and take port 0 where none is given, until the time to connect is over.
+absl::Status CheckServer(const std::string& server) {
+  const bool is_url = server.rfind("http://", 0) == 0 || server.rfind("https://", 0) == 0;
+  if (!is_url && server.find(':') != std::string::npos) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("--server: ", server, ": expected HOST:PORT"));
+}
+
 absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
   const absl::StatusOr<std::string> token = TokenOf(arguments);
   if (!token.ok()) return token.status();
   ClientOptions options;
   options.token = *token;
   options.call_timeout = std::chrono::milliseconds(static_cast<int64_t>(arguments.timeout_s * 1e3));
+  options.connect_timeout = std::min(options.connect_timeout, options.call_timeout);
+  options.connect_timeout = std::min(options.connect_timeout, options.call_timeout);
   options.tls = {.enabled = arguments.tls || !arguments.ca.empty() || !arguments.certificate.empty(),
                  .ca_file = arguments.ca,
                  .certificate_file = arguments.certificate,
@@ -50,7 +60,7 @@ absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
 
 void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
   const std::string group = "Server";
-  command.add_option("--server", arguments.server, "Ask this server; without it the command does the work itself")
+  command.add_option("--server", arguments.server, "Ask this server; without it, or empty, this process does the work")
       ->envname("CURVEREG_SERVER")
       ->type_name("HOST:PORT")
       ->group(group);
@@ -75,7 +85,8 @@ void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
       ->envname("CURVEREG_TLS_SERVER_NAME")
       ->type_name("NAME")
       ->group(group);
-  command.add_option("--timeout", arguments.timeout_s, "Seconds for a call with its retries")
+  command
+      .add_option("--timeout", arguments.timeout_s, "Seconds for a call with its retries; connecting takes at most 10")
       ->check(CheckPositive)
       ->capture_default_str()
       ->group(group);
@@ -86,6 +97,7 @@ absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& argumen
   const absl::StatusOr<ClientOptions> options = OptionsOf(arguments);
   if (!options.ok()) return options.status();
   if (!arguments.server.empty()) {
+    if (absl::Status status = CheckServer(arguments.server); !status.ok()) return status;
     absl::StatusOr<std::unique_ptr<Client>> client = Client::Connect(arguments.server, *options);
     if (!client.ok()) return client.status();
     service.client_ = *std::move(client);

@@ -112,6 +112,7 @@ std::string SummaryJson(const Arguments& arguments, const sim::Simulation& simul
   const nlohmann::ordered_json json = {{"preset", arguments.preset},
                                        {"seed", simulation.options().seed},
                                        {"folder", arguments.out},
+                                       {"uploaded_to", arguments.server.server},
                                        {"scans", simulation.num_scans()},
                                        {"points", summary.num_points},
                                        {"strangers", simulation.Strangers().size()},
@@ -160,7 +161,9 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
     const absl::Status uploaded = UploadDataset(arguments, scans.num_scans(), context);
     if (!uploaded.ok()) return ReportError(uploaded);
   }
-  return PrintResult(arguments.json ? SummaryJson(arguments, scans, *summary) : SummaryText(scans, *summary));
+  if (arguments.json) return PrintResult(SummaryJson(arguments, scans, *summary));
+  const std::string& server = arguments.server.server;
+  return PrintResult(SummaryText(scans, *summary) + (server.empty() ? "" : "uploaded     to " + server + "\n"));
 }
 
 // Declares an option whose value is put into the preset's options by `set`. Ranges are Validate()'s to check.

@@ -22,13 +22,17 @@ struct Arguments {
 };
 
 constexpr char kNotes[] =
-    R"(Exit status: 0 the server serves, 1 internal fault, 2 bad arguments, 4 it does not serve, is unreachable or refused.
+    R"(Without --server it tells of the service in this process, which says nothing about any server.
+
+Exit status: 0 the server serves, 1 internal fault, 2 bad arguments, 4 it does not serve, is unreachable or refused.
 
 Example:
   curvereg status --server ground-station:50051)";
 
-std::string StatusText(const ServerStatus& status) {
-  std::string text = absl::StrCat(status.serving ? "serving" : "NOT SERVING", "\nbuild        ", status.build_id, "\n");
+std::string StatusText(const std::string& server, const ServerStatus& status) {
+  std::string text = absl::StrCat(status.serving ? "serving" : "NOT SERVING", "\nserver       ",
+                                  server.empty() ? "none: this process, for want of --server" : server,
+                                  "\nbuild        ", status.build_id, "\n");
   absl::StrAppendFormat(&text, "round trip   %.2f ms\n", static_cast<double>(status.round_trip.count()) * 1e-3);
   for (const auto& [service, serving] : status.services) {
     absl::StrAppend(&text, "service      ", service, serving ? "" : " (not serving)", "\n");
@@ -41,8 +45,9 @@ std::string StatusText(const ServerStatus& status) {
   return text;
 }
 
-std::string StatusJson(const ServerStatus& status) {
+std::string StatusJson(const std::string& server, const ServerStatus& status) {
   nlohmann::ordered_json json = {{"serving", status.serving},
+                                 {"server", server},
                                  {"build_id", status.build_id},
                                  {"round_trip_ms", static_cast<double>(status.round_trip.count()) * 1e-3},
                                  {"services", nlohmann::ordered_json::object()},
@@ -62,7 +67,8 @@ ExitCode Run(const Arguments& arguments) {
   if (!service.ok()) return ReportError(service.status());
   const absl::StatusOr<ServerStatus> status = service->client().Status();
   if (!status.ok()) return ReportError(status.status());
-  const ExitCode printed = PrintResult(arguments.json ? StatusJson(*status) : StatusText(*status));
+  const std::string& server = arguments.server.server;
+  const ExitCode printed = PrintResult(arguments.json ? StatusJson(server, *status) : StatusText(server, *status));
   if (printed != ExitCode::kDone) return printed;
   return status->serving ? ExitCode::kDone : ExitCode::kUnreachable;
 }

@@ -34,7 +34,7 @@ def names(cells):
 
 
 def sources(folder, pattern="*.cc"):
-    return "\n".join(path.read_text() for path in sorted((ROOT / folder).glob(pattern)))
+    return "\n".join(path.read_text() for path in sorted((ROOT / folder).rglob(pattern)))
 
 
 def base_name(sample):

@@ -84,7 +84,8 @@ TEST(ErrorRegistryTest, EveryReasonIsSentBySomeone) {
                                            v1::ERROR_REASON_TOO_MANY_TRAVERSES};
   std::string sources;
   for (const char* folder : {"server", "wire"}) {
-    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(CURVEREG_SOURCE_DIR) / folder)) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(CURVEREG_SOURCE_DIR) / folder)) {
       if (entry.path().extension() == ".cc") sources += ReadSource(entry.path());
     }
   }

@@ -11,6 +11,7 @@
 
 #include "tests/server/scans/scan_server.h"
 #include "tests/testing/matchers.h"
+#include "wire/point_codec.h"
 
 namespace curvereg::testing {
 namespace {
