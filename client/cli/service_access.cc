@@ -47,7 +47,6 @@ absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
   options.token = *token;
   options.call_timeout = std::chrono::milliseconds(static_cast<int64_t>(arguments.timeout_s * 1e3));
   options.connect_timeout = std::min(options.connect_timeout, options.call_timeout);
-  options.connect_timeout = std::min(options.connect_timeout, options.call_timeout);
   options.tls = {.enabled = arguments.tls || !arguments.ca.empty() || !arguments.certificate.empty(),
                  .ca_file = arguments.ca,
                  .certificate_file = arguments.certificate,
