@@ -6,6 +6,7 @@
 #include <CLI/Formatter.hpp>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/argument_parsing.h"
@@ -69,8 +70,13 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   if (arguments.time_budget_s > 0.0) options.registration.time_budget_s = arguments.time_budget_s;
   options.registration.cancellation = context.interrupted;
   options.load_scan = LoadScan;
+  bool has_warned = false;
   options.register_scans = [&](const Scan& source, const Scan& target, const RegistrationOptions& registration) {
-    return registrar.Register(source, target, registration);
+    absl::StatusOr<RegistrationResult> result = registrar.Register(source, target, registration);
+    if (!result.ok() && !absl::IsCancelled(result.status()) && !std::exchange(has_warned, true)) {
+      ReportWarning(absl::StrCat("a call failed, the others go on: ", result.status().message()));
+    }
+    return result;
   };
   options.progress = [&](const EvaluationProgress& progress) {
     bar.Update(static_cast<double>(progress.num_done) / progress.num_total, ProgressNote(progress));
