@@ -74,7 +74,7 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   options.register_scans = [&](const Scan& source, const Scan& target, const RegistrationOptions& registration) {
     absl::StatusOr<RegistrationResult> result = registrar.Register(source, target, registration);
     if (!result.ok() && !absl::IsCancelled(result.status()) && !std::exchange(has_warned, true)) {
-      ReportWarning(absl::StrCat("a call failed, the others go on: ", result.status().message()));
+      ReportWarning(absl::StrCat("a call failed: ", result.status().message()));
     }
     return result;
   };
