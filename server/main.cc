@@ -21,6 +21,7 @@
 #include "core/register_scans.h"
 #include "server/access/access.h"
 #include "server/heap_tuning.h"
+#include "server/operations/grpc_log.h"
 #include "server/operations/logging.h"
 #include "server/server.h"
 #include "server/settings/command_line.h"
@@ -79,6 +80,7 @@ ExitStatus ServeUntilSignal(const ServerConfig& config, const std::string& ports
   google::protobuf::SetLogHandler(nullptr);  // it would print what clients sent, past our log
   absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config.log, stderr);
   if (!logger.ok()) return Fail(logger.status());
+  const GrpcLog grpc_log(**logger);
   RemoveOldPorts(ports_file);
   absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);
   if (!server.ok()) return Fail(server.status(), **logger);
