@@ -79,6 +79,7 @@ absl::StatusOr<std::shared_ptr<const Scan>> ScanSide::Decode() const {
     const v1::PointCloud& cloud = input_->inline_scan();
     scan = wire::DecodeScan(cloud.header(), cloud.data(), LimitsOf(*backend_));
     if (!scan.ok()) return wire::WithinField(absl::StrCat(field_, ".inline_scan.header"), scan.status());
+    backend_->calls.metrics->ScanReceived(cloud.header().point_count());
   }
   if (!scan.ok()) return scan.status();
   return std::make_shared<const Scan>(*std::move(scan));

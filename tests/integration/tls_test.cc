@@ -157,9 +157,12 @@ TEST_F(TlsTest, MutualTlsAsksTheClientForItsCertificate) {
   EXPECT_THAT(Try(Options("ca", "rover")), IsOk());
   EXPECT_EQ(Try(Options("ca")).code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(Try(Options("ca", "stranger")).code(), absl::StatusCode::kUnavailable);
-  // Who it was is in the log.
+  // Who it was is in the log, and who was turned away; in lines of ours alone.
   server_->Terminate();
   EXPECT_THAT(Log(), HasSubstr("tls:rover"));
+  EXPECT_THAT(Log(), HasSubstr("warning grpc source="));
+  std::istringstream lines(Log());
+  for (std::string line; std::getline(lines, line);) EXPECT_EQ(line.substr(0, 2), "20") << line;
 }
 
 TEST_F(TlsTest, TokensGiveTheirScopes) {
@@ -230,6 +233,15 @@ TEST_F(TlsTest, TheCommandLineTakesItsTokenFromAFileOrTheEnvironment) {
   EXPECT_EQ(wrong_authority.status, 4) << wrong_authority.err;
   EXPECT_EQ(Ask("status --tls-ca ca.pem").status, 4) << "there is no certificate of the client";
   EXPECT_EQ(Ask("status" + tls + "--token-file nowhere").status, 2);
+}
+
+TEST_F(TlsTest, InlineScansAreCounted) {
+  Serve();
+  const Scan scan = testing::PairOf("sparse", 1, 0).source;
+  const auto client = Client::Connect(server_->target(), Options("ca"));
+  ASSERT_THAT(client, IsOk());
+  ASSERT_THAT((*client)->RegisterScans(std::cref(scan), std::cref(scan)), IsOk());
+  EXPECT_THAT(server_->Get("/metrics"), HasSubstr("curvereg_received_scans_total 2\n"));
 }
 
 TEST_F(TlsTest, WorksOverIpv6) {
