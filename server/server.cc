@@ -89,7 +89,7 @@ class WholeServer final : public Server {
   WorkerPool disk_pool_;
   std::atomic<int> num_open_calls_ = 0;
   std::stop_source draining_;
-  std::atomic<bool> ready_ = false;
+  std::atomic<const char*> not_ready_ = "starting";  // empty: it is
   HealthService health_;
   std::unique_ptr<RegistrationService> registration_service_;
   std::unique_ptr<ScanService> scan_service_;
@@ -127,7 +127,7 @@ absl::Status WholeServer::Open() {
   if (absl::Status status = Listen(); !status.ok()) return status;
   expiry_ = std::jthread([this](const std::stop_token& stop) { ExpireUploads(stop); });
   for (const char* service : {"", kRegistrationServiceName, kScanServiceName}) health_.SetServing(service, true);
-  ready_ = true;
+  not_ready_ = "";
   return absl::OkStatus();
 }
 
@@ -146,10 +146,7 @@ absl::Status WholeServer::OpenInProcess() {
 absl::Status WholeServer::OpenOperationsPort() {
   AddServerGauges(metrics_, {.pool = &pool_, .memory = &memory_, .cache = &cache_});
   if (config_.ops_listen.empty()) return absl::OkStatus();
-  const auto not_ready = [this]() -> std::string {
-    if (draining_.stop_requested() || !ready_) return port_ == 0 ? "starting" : "draining";
-    return "";
-  };
+  const auto not_ready = [this]() -> std::string { return not_ready_.load(); };
   absl::StatusOr<std::unique_ptr<OpsServer>> ops =
       OpsServer::Start(config_.ops_listen, {.metrics = [this] { return metrics_.Text(); }, .not_ready = not_ready});
   if (!ops.ok()) return ops.status();
@@ -244,7 +241,7 @@ void WholeServer::ExpireUploads(const std::stop_token& stop) {
 void WholeServer::Shutdown(std::chrono::milliseconds grace) {
   std::call_once(shut_down_, [&] {
     const auto deadline = std::chrono::steady_clock::now() + grace;
-    ready_ = false;
+    not_ready_ = "draining";
     health_.Drain();
     std::this_thread::sleep_for(std::min(grace, std::chrono::milliseconds(config_.drain_delay_ms)));
     draining_.request_stop();
