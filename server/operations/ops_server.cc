@@ -111,6 +111,9 @@ struct OpsServer::State {
 absl::StatusOr<std::unique_ptr<OpsServer>> OpsServer::Start(const std::string& listen, const OpsSources& sources) {
   const absl::StatusOr<ListenAddress> address = ParseListenAddress(listen);
   if (!address.ok()) return address.status();
+  if (address->host.find(':') != std::string::npos && mg_check_feature(MG_FEATURES_IPV6) == 0) {
+    return absl::InvalidArgumentError("ops_listen: the HTTP library of this build knows no IPv6: " + listen);
+  }
   // civetweb takes addresses, not names.
   const bool is_name = address->host == "localhost";
   const std::string ports = is_name ? absl::StrCat("127.0.0.1:", address->port) : listen;
@@ -138,7 +141,7 @@ absl::StatusOr<std::unique_ptr<OpsServer>> OpsServer::Start(const std::string& l
   state->context = mg_start(&callbacks, &state->sources, const_cast<const char**>(options.data()));
   mg_server_port bound{};
   if (state->context == nullptr || mg_get_server_ports(state->context, 1, &bound) != 1) {
-    return absl::UnavailableError("cannot listen on " + listen);
+    return absl::UnavailableError("ops_listen: cannot listen on " + listen);
   }
   state->port = bound.port;
   return std::unique_ptr<OpsServer>(new OpsServer(std::move(state)));

@@ -120,5 +120,13 @@ TEST(OpsServerAddressTest, RefusesWhatIsNoAddress) {
   EXPECT_GT((*OpsServer::Start("localhost:0", {}))->port(), 0);
 }
 
+TEST(OpsServerAddressTest, SaysWhenTheLibraryKnowsNoIpv6) {  // Debian's does not
+  const auto server = OpsServer::Start("[::1]:0", {});
+  if (server.ok()) GTEST_SKIP() << "the HTTP library of this build knows IPv6";
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("ops_listen"));
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("IPv6"));
+}
+
 }  // namespace
 }  // namespace curvereg::server
