@@ -91,6 +91,16 @@ void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
       ->group(group);
 }
 
+ServiceAccess::~ServiceAccess() {
+  if (client_ == nullptr) return;
+  for (const std::string& name : temporary_) {
+    const absl::Status status = client_->DeleteScan(name);
+    if (status.ok()) continue;
+    ReportWarning(absl::StrCat(name, ": stays on the server: ", status.message()));
+    return;  // one line is enough when the server is gone
+  }
+}
+
 absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& arguments) {
   ServiceAccess service;
   const absl::StatusOr<ClientOptions> options = OptionsOf(arguments);
@@ -135,6 +145,7 @@ absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan
   };
   const absl::StatusOr<UploadOutcome> outcome = service.client().UploadScan(scan, options);
   if (!outcome.ok()) return outcome.status();
+  if (!outcome->already_stored) service.DeleteAtEnd(outcome->scan.name);
   return ScanReference(outcome->scan.name);
 }
 

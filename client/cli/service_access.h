@@ -7,6 +7,7 @@
 
 #include <CLI/App.hpp>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -34,16 +35,25 @@ class ServiceAccess {
   // INVALID_ARGUMENT: arguments; UNAVAILABLE: no server answers there.
   static absl::StatusOr<ServiceAccess> Open(const ServerArguments& arguments);
 
+  ServiceAccess() = default;
+  ServiceAccess(ServiceAccess&&) = default;
+  ServiceAccess& operator=(ServiceAccess&&) = delete;
+  ~ServiceAccess();  // deletes what DeleteAtEnd named; warns where that fails
+
   Client& client() { return *client_; }
   bool is_remote() const { return local_ == nullptr; }
+  // For scans that were stored for this command alone.
+  void DeleteAtEnd(const std::string& name) { temporary_.insert(name); }
 
  private:
   std::unique_ptr<server::Server> local_;  // outlives the client
   std::unique_ptr<Client> client_;
+  std::set<std::string> temporary_;
 };
 
 // A scan as the service takes it: itself where it fits into a message, else the name under which it was uploaded
-// (lossless, with a progress bar). Keeps a reference to `scan`. Errors of Client::UploadScan.
+// until the end of `service` (lossless, with a progress bar). Keeps a reference to `scan`. Errors of
+// Client::UploadScan.
 absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan, const CliContext& context);
 
 // A transfer without loss and without a progress bar.

@@ -2,19 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/service_registrar.h"
 
-#include "absl/strings/str_cat.h"
-
 namespace curvereg::cli {
-
-ServiceRegistrar::~ServiceRegistrar() {
-  for (const std::string& name : uploaded_) {
-    const absl::Status status = service_.client().DeleteScan(name);
-    if (!status.ok()) {
-      ReportWarning(absl::StrCat(name, ": stays on the server: ", status.message()));
-      return;  // one line is enough when the server is gone
-    }
-  }
-}
 
 absl::StatusOr<ScanReference> ServiceRegistrar::Offer(const Scan& scan, const RegistrationOptions& options) {
   if (!service_.is_remote()) return ScanReference(std::cref(scan));
@@ -23,7 +11,7 @@ absl::StatusOr<ScanReference> ServiceRegistrar::Offer(const Scan& scan, const Re
   const absl::StatusOr<UploadOutcome> outcome =
       service_.client().UploadScan(scan, LosslessTransfer({.interrupted = options.cancellation}));
   if (!outcome.ok()) return outcome.status();
-  if (!outcome->already_stored) uploaded_.insert(outcome->scan.name);
+  if (!outcome->already_stored) service_.DeleteAtEnd(outcome->scan.name);
   name_of_[digest] = outcome->scan.name;
   return ScanReference(outcome->scan.name);
 }

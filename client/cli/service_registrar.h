@@ -6,7 +6,6 @@
 #define CURVEREG_CLIENT_CLI_SERVICE_REGISTRAR_H_
 
 #include <map>
-#include <set>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -19,9 +18,6 @@ namespace curvereg::cli {
 class ServiceRegistrar {
  public:
   explicit ServiceRegistrar(ServiceAccess& service) : service_(service) {}
-  ~ServiceRegistrar();
-  ServiceRegistrar(const ServiceRegistrar&) = delete;
-  ServiceRegistrar& operator=(const ServiceRegistrar&) = delete;
 
   absl::StatusOr<RegistrationResult> Register(const Scan& source, const Scan& target,
                                               const RegistrationOptions& options);
@@ -31,7 +27,6 @@ class ServiceRegistrar {
 
   ServiceAccess& service_;
   std::map<std::string, std::string> name_of_;  // by ScanDigest
-  std::set<std::string> uploaded_;              // names to delete
 };
 
 }  // namespace curvereg::cli
