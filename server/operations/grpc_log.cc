@@ -29,7 +29,7 @@ void Forward(gpr_log_func_args* line) {
   Destination& destination = TheDestination();
   const std::lock_guard lock(destination.mutex);
   if (destination.logger == nullptr) return;
-  destination.logger->WarnOfLibrary("grpc", source, line->message);
+  destination.logger->WarnOfGrpc(source, line->message);
 }
 
 }  // namespace

@@ -163,11 +163,11 @@ void Logger::Call(const CallRecord& record) {
   state_->Write(LevelOf(record), "call", FieldsOf(record));
 }
 
-void Logger::WarnOfLibrary(const std::string& library, const std::string& source, const std::string& message) {
+void Logger::WarnOfGrpc(const std::string& source, const std::string& message) {
   const auto now = std::chrono::steady_clock::now();
   state_->ReportSuppressed(now);
-  if (!state_->Allow(absl::StrCat(library, " ", source), now)) return;
-  state_->Write(spdlog::level::warn, library, {{"source", source}, {"message", message}});
+  if (!state_->Allow(absl::StrCat("grpc ", source), now)) return;
+  state_->Write(spdlog::level::warn, "grpc", {{"source", source}, {"message", message}});
 }
 
 void Logger::Debug(const std::string& event, const LogFields& fields) {

@@ -52,9 +52,9 @@ class Logger {
   static constexpr int kCallsPerSecond = 10;
   void Call(const CallRecord& record);
 
-  // A warning of a library's own, limited like calls, by `source`: strangers cause many, handshakes that fail above
+  // A warning of gRPC itself, limited like calls, by `source`: strangers cause many, handshakes that fail above
   // all.
-  void WarnOfLibrary(const std::string& library, const std::string& source, const std::string& message);
+  void WarnOfGrpc(const std::string& source, const std::string& message);
 
   void Debug(const std::string& event, const LogFields& fields = {});
   void Info(const std::string& event, const LogFields& fields = {});

@@ -141,11 +141,11 @@ TEST_F(LoggingTest, SuccessesAndFaultsOfOursAreNeverHeldBack) {
   EXPECT_EQ(Lines().size(), 150u);
 }
 
-TEST_F(LoggingTest, LinesOfLibrariesAreLimitedBySource) {
+TEST_F(LoggingTest, LinesOfGrpcAreLimitedBySource) {
   {
     const std::unique_ptr<Logger> logger = Make("text");
-    for (int i = 0; i < 30; ++i) logger->WarnOfLibrary("grpc", "ssl.cc:1", "the handshake failed");
-    logger->WarnOfLibrary("grpc", "ssl.cc:2", "another");
+    for (int i = 0; i < 30; ++i) logger->WarnOfGrpc("ssl.cc:1", "the handshake failed");
+    logger->WarnOfGrpc("ssl.cc:2", "another");
   }
   ASSERT_EQ(Lines().size(), Logger::kCallsPerSecond + 2u);
   EXPECT_THAT(Lines()[0], HasSubstr("warning grpc source=ssl.cc:1 message=\"the handshake failed\""));
