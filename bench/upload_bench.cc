@@ -72,7 +72,7 @@ double BareThroughput(v1::ScanService::Stub& stub, const std::string& payload) {
 
 // Bytes a second.
 struct Rates {
-  double transfer = 0.0;  // until all bytes were acknowledged; told up to 20 ms late
+  double transfer = 0.0;  // until all bytes were acknowledged
   double whole = 0.0;     // until the scan was stored
 };
 

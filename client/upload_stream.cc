@@ -16,8 +16,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr char kMethod[] = "/curvereg.v1.ScanService/UploadScan";
-// Of progress and of the server's silence. Not told at each acknowledgement: on a quick link these are so many that
-// waking the caller for them would take the processor from the transfer.
+// Of progress and of the server's silence. Told at the last acknowledgement but not at each: on a quick link these are
+// so many that waking the caller for them would take the processor from the transfer.
 constexpr std::chrono::milliseconds kPollInterval(20);
 
 }  // namespace
@@ -48,10 +48,12 @@ absl::Status UploadStream::Run(Connection& connection, const std::shared_ptr<grp
 bool UploadStream::Await(const Limits& limits, const std::function<void(const UploadState&)>& on_progress) {
   const std::stop_callback cancel(limits.cancellation, [&] { context_.TryCancel(); });
   std::unique_lock lock(mutex_);
+  const uint64_t payload_bytes = source_.payload.bytes.size();
   uint64_t told = begun_at_;
   bool silent = false;
   do {  // at least once: a short stream may have ended by now, and its progress counts
-    changed_.wait_for(lock, kPollInterval, [&] { return ended_.has_value(); });
+    changed_.wait_for(lock, kPollInterval,
+                      [&] { return ended_ || (state_.committed != told && state_.committed == payload_bytes); });
     if (state_.committed != told) {
       told = state_.committed;
       const UploadState snapshot = state_;
@@ -115,6 +117,7 @@ bool UploadStream::TakeCommitted(uint64_t committed) {
   if (committed < state_.committed || committed > offset_) return false;
   state_.committed = committed;
   window_.Acknowledged(committed, last_answer_);
+  if (committed == source_.payload.bytes.size()) changed_.notify_one();
   return true;
 }
 
