@@ -274,6 +274,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::StartInProcess(const ServerConfi
   // One user, who has the whole machine.
   own.limits.max_scan_points = 50'000'000;
   own.limits.max_scan_bytes = uint64_t{1} << 31;
+  // What a scan may need at worst is far above what it needs; nobody else is to be kept from starving.
+  own.limits.memory_bytes = uint64_t{1} << 50;
+  own.limits.cache_bytes = 1;  // scans without a name are not kept
   auto server = std::make_unique<WholeServer>(own);
   if (absl::Status status = server->OpenInProcess(); !status.ok()) return status;
   return server;

@@ -77,10 +77,12 @@ std::string TextLine(level_enum level, const std::string& event, const LogFields
   return line;
 }
 
-bool IsFaultOfOurs(std::string_view code) { return code == "INTERNAL" || code == "UNKNOWN" || code == "DATA_LOSS"; }
+bool IsFaultOfOurs(const CallRecord& record) {
+  return record.code == "INTERNAL" || record.code == "UNKNOWN" || record.reason == "STORED_SCAN_DAMAGED";
+}
 
 level_enum LevelOf(const CallRecord& record) {
-  if (IsFaultOfOurs(record.code)) return spdlog::level::err;
+  if (IsFaultOfOurs(record)) return spdlog::level::err;
   const bool is_overload = record.code == "RESOURCE_EXHAUSTED" || record.code == "UNAVAILABLE";
   return is_overload ? spdlog::level::warn : spdlog::level::info;
 }
@@ -155,7 +157,7 @@ Logger::~Logger() { state_->ReportSuppressed(LineLimiter::TimePoint::max()); }
 void Logger::Call(const CallRecord& record) {
   const auto now = std::chrono::steady_clock::now();
   state_->ReportSuppressed(now);
-  const bool is_limited = record.code != "OK" && !IsFaultOfOurs(record.code);
+  const bool is_limited = record.code != "OK" && !IsFaultOfOurs(record);
   if (is_limited) {
     const std::string& cause = record.reason.empty() ? record.code : record.reason;
     if (!state_->Allow(absl::StrCat(record.service, "/", record.method, " ", cause), now)) return;

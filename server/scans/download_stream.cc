@@ -14,6 +14,7 @@ namespace curvereg::server {
 namespace {
 
 constexpr MethodTraits kTraits = {"curvereg.v1.ScanService", "DownloadScan", Scope::kRead};
+constexpr uint64_t kLeastChunkBytes = 1024;  // each chunk costs a look into the store
 
 absl::Status Interruption(const Call& call) {
   return call.stop().PastDeadline() ? absl::DeadlineExceededError("the deadline passed during the download")
@@ -72,7 +73,9 @@ absl::Status DownloadStream::OpenScan() {
 
 absl::Status DownloadStream::ReadChunk() {
   const uint64_t max_bytes = environment_.limits.max_chunk_bytes;
-  const uint64_t size = request_.chunk_bytes() == 0 ? max_bytes : std::min<uint64_t>(request_.chunk_bytes(), max_bytes);
+  const uint64_t wanted =
+      request_.chunk_bytes() == 0 ? max_bytes : std::max<uint64_t>(request_.chunk_bytes(), kLeastChunkBytes);
+  const uint64_t size = std::min(wanted, max_bytes);
   absl::StatusOr<std::string> data = environment_.store->ReadPayload(scan_->id, offset_, size);
   if (!data.ok()) return data.status();
   v1::PayloadChunk& chunk = *next_.mutable_chunk();

@@ -136,6 +136,7 @@ TEST_F(LoggingTest, SuccessesAndFaultsOfOursAreNeverHeldBack) {
   CallRecord record = Refusal();
   for (const char* code : {"OK", "INTERNAL", "DATA_LOSS"}) {
     record.code = code;
+    record.reason = record.code == "DATA_LOSS" ? "STORED_SCAN_DAMAGED" : "";
     for (int i = 0; i < 50; ++i) logger->Call(record);
   }
   EXPECT_EQ(Lines().size(), 150u);
