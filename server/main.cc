@@ -101,7 +101,10 @@ ExitStatus Run(const ServeCommand& command) {
   }
   const absl::StatusOr<ServerConfig> config =
       ReadConfig({.toml_file = command.config_file, .environment = ServerEnvironment(environ), .flags = command.flags});
-  if (!config.ok()) return Fail(config.status());
+  if (!config.ok()) {
+    Fail(config.status());
+    return ExitStatus::kUsage;  // a file of settings that is not there is a wrong setting, too
+  }
   if (command.print_config) {
     std::fputs(ConfigToml(*config).c_str(), stdout);
     return ExitStatus::kDone;

@@ -145,6 +145,7 @@ TEST_F(ServerProgramTest, WrongSettingsAreUsageErrors) {
   std::ofstream(folder_.File("server.toml")) << "listen = 'localhost:0'\nlisten_on = 1\n";
   EXPECT_EQ(Run({"--config", "server.toml"}), 2);
   EXPECT_THAT(Err(), HasSubstr("server.toml:2: "));
+  EXPECT_EQ(Run({"--config", "no-such-file.toml"}), 2);
 }
 
 TEST_F(ServerProgramTest, PrintsItsSettingsAsAFileItReads) {
