@@ -129,44 +129,24 @@ std::string ScanDigest(const Scan& scan) {
   return DigestText(XXH3_64bits(scan.points.data(), scan.points.size() * sizeof(Eigen::Vector3f)), scan.gravity);
 }
 
-struct ScanDigester::State {
-  XXH3_state_t* const hash = XXH3_createState();
-  int64_t num_finite = 0;
-  std::array<char, sizeof(Eigen::Vector3f)> partial{};  // the beginning of a point
-  std::size_t partial_size = 0;
-};
-
-ScanDigester::ScanDigester() : state_(std::make_unique<State>()) { XXH3_64bits_reset(state_->hash); }
-ScanDigester::ScanDigester(ScanDigester&&) noexcept = default;
-ScanDigester& ScanDigester::operator=(ScanDigester&& other) noexcept {
-  std::swap(state_, other.state_);
-  return *this;
-}
-ScanDigester::~ScanDigester() {
-  if (state_ != nullptr) XXH3_freeState(state_->hash);
+std::string ScanDigestOfHash(uint64_t points_hash, const std::optional<Eigen::Vector3d>& gravity) {
+  return DigestText(points_hash, gravity);
 }
 
-void ScanDigester::Update(std::string_view bytes) {
-  XXH3_64bits_update(state_->hash, bytes.data(), bytes.size());
-  if (state_->partial_size > 0) {
-    const std::size_t size = std::min(state_->partial.size() - state_->partial_size, bytes.size());
-    std::memcpy(state_->partial.data() + state_->partial_size, bytes.data(), size);
-    state_->partial_size += size;
+void FinitePointCounter::Update(std::string_view bytes) {
+  if (partial_size_ > 0) {
+    const std::size_t size = std::min(partial_.size() - partial_size_, bytes.size());
+    std::memcpy(partial_.data() + partial_size_, bytes.data(), size);
+    partial_size_ += size;
     bytes.remove_prefix(size);
-    if (state_->partial_size < state_->partial.size()) return;
-    state_->num_finite += CountFinite({state_->partial.data(), state_->partial.size()});
+    if (partial_size_ < partial_.size()) return;
+    count_ += CountFinite({partial_.data(), partial_.size()});
   }
   const std::size_t whole = bytes.size() / sizeof(Eigen::Vector3f) * sizeof(Eigen::Vector3f);
-  state_->num_finite += CountFinite(bytes.substr(0, whole));
-  state_->partial_size = bytes.size() - whole;
-  std::memcpy(state_->partial.data(), bytes.data() + whole, state_->partial_size);
+  count_ += CountFinite(bytes.substr(0, whole));
+  partial_size_ = bytes.size() - whole;
+  std::memcpy(partial_.data(), bytes.data() + whole, partial_size_);
 }
-
-std::string ScanDigester::Digest(const std::optional<Eigen::Vector3d>& gravity) const {
-  return DigestText(XXH3_64bits_digest(state_->hash), gravity);
-}
-
-int64_t ScanDigester::num_finite_points() const { return state_->num_finite; }
 
 Scan TransformScan(const Scan& scan, const Eigen::Isometry3d& T_new_old) {
   Scan result;

@@ -10,8 +10,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -43,22 +44,20 @@ absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits = {}, const
 // equal scans have equal digests.
 std::string ScanDigest(const Scan& scan);
 
-// The same digest of points that come piece by piece, and how many of them are finite. Movable.
-class ScanDigester {
- public:
-  ScanDigester();
-  ScanDigester(ScanDigester&&) noexcept;
-  ScanDigester& operator=(ScanDigester&&) noexcept;
-  ~ScanDigester();
+// The same from the XXH3-64 of the coordinates, for those who computed it on the way.
+std::string ScanDigestOfHash(uint64_t points_hash, const std::optional<Eigen::Vector3d>& gravity);
 
+// Counts the finite ones of points that come piece by piece.
+class FinitePointCounter {
+ public:
   // More bytes of the packed little-endian float32 coordinates, cut anywhere.
   void Update(std::string_view bytes);
-  std::string Digest(const std::optional<Eigen::Vector3d>& gravity) const;
-  int64_t num_finite_points() const;  // of the points that are complete
+  int64_t count() const { return count_; }  // of the points that are complete
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  int64_t count_ = 0;
+  std::array<char, sizeof(Eigen::Vector3f)> partial_{};  // the beginning of a point
+  std::size_t partial_size_ = 0;
 };
 
 // The scan seen from another frame: points and gravity mapped by T_new_old. Points that are not finite stay so.

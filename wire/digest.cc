@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 #include <utility>
 
 #ifdef __x86_64__
@@ -60,9 +61,11 @@ std::string FinishSha256(const EVP_MD_CTX* context) {
 
 }  // namespace
 
-uint32_t Crc32c(std::string_view bytes) {
+uint32_t Crc32c(std::string_view bytes) { return ExtendCrc32c(0, bytes); }
+
+uint32_t ExtendCrc32c(uint32_t crc, std::string_view bytes) {
   constexpr size_t kMostAtOnce = size_t{1} << 30;  // the function counts in int
-  uint32_t crc = 0xFFFFFFFF;
+  crc = ~crc;
   while (!bytes.empty()) {
     const size_t size = std::min(bytes.size(), kMostAtOnce);
     // The function asks for bytes that it may write, and only reads.
@@ -138,6 +141,17 @@ v1::Digest DigestOf(v1::DigestAlgorithm algorithm, std::string_view bytes) {
     }
   }
   return digest;
+}
+
+std::optional<uint64_t> Xxh3Of64Bits(const v1::Digest& digest, uint64_t num_bytes) {
+  constexpr uint64_t kShort = 240;
+  XXH128_canonical_t canonical;
+  if (digest.algorithm() != v1::DIGEST_ALGORITHM_XXH3_128 || digest.value().size() != sizeof(canonical.digest)) {
+    return std::nullopt;
+  }
+  if (num_bytes <= kShort) return std::nullopt;
+  std::memcpy(canonical.digest, digest.value().data(), sizeof(canonical.digest));
+  return XXH128_hashFromCanonical(&canonical).low64;
 }
 
 bool SameDigest(const v1::Digest& a, const v1::Digest& b) {

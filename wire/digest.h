@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,8 @@ namespace curvereg::wire {
 
 // CRC-32C (Castagnoli polynomial, reflected, initial and final complement; RFC 3720): "123456789" gives 0xE3069283.
 uint32_t Crc32c(std::string_view bytes);
+// Of bytes that have `crc` with more after them; `crc` of none is 0.
+uint32_t ExtendCrc32c(uint32_t crc, std::string_view bytes);
 
 // Computes a digest piece by piece. Movable, not shared between threads.
 class Digester {
@@ -39,6 +42,11 @@ class Digester {
 
 // Of all bytes at once. Precondition: `algorithm` is one that we know.
 v1::Digest DigestOf(v1::DigestAlgorithm algorithm, std::string_view bytes);
+
+// XXH3-64 of `num_bytes` bytes whose XXH3_128 is `digest`. That is its lower half by the construction of XXH3, but for
+// short inputs, which have formulas of their own (xxHash's specification, "XXH3 Algorithm (for long inputs)"): none for
+// at most 240 bytes.
+std::optional<uint64_t> Xxh3Of64Bits(const v1::Digest& digest, uint64_t num_bytes);
 
 bool SameDigest(const v1::Digest& a, const v1::Digest& b);
 

@@ -103,7 +103,7 @@ ScanService::ScanService(const ScanBackend& backend)
                backend.disk_pool},
       downloads_{backend.calls, backend.limits, backend.store, backend.disk_pool} {}
 
-grpc::ServerBidiReactor<v1::UploadScanRequest, v1::UploadScanResponse>* ScanService::UploadScan(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* ScanService::UploadScan(
     grpc::CallbackServerContext* context) {
   return new UploadStream(uploads_, *context);
 }

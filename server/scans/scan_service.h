@@ -28,11 +28,17 @@ struct ScanBackend {
   ScanStore* store = nullptr;
 };
 
-class ScanService final : public v1::ScanService::CallbackService {
+// As protobuf's CallbackService, but for the raw messages of UploadScan.
+using ScanServiceBase = v1::ScanService::WithRawCallbackMethod_UploadScan<
+    v1::ScanService::WithCallbackMethod_DownloadScan<v1::ScanService::WithCallbackMethod_GetUpload<
+        v1::ScanService::WithCallbackMethod_GetScan<v1::ScanService::WithCallbackMethod_ListScans<
+            v1::ScanService::WithCallbackMethod_DeleteScan<v1::ScanService::Service>>>>>>;
+
+class ScanService final : public ScanServiceBase {
  public:
   explicit ScanService(const ScanBackend& backend);
 
-  grpc::ServerBidiReactor<v1::UploadScanRequest, v1::UploadScanResponse>* UploadScan(
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* UploadScan(
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::DownloadScanResponse>* DownloadScan(grpc::CallbackServerContext* context,
                                                                    const v1::DownloadScanRequest* request) override;

@@ -102,7 +102,8 @@ UploadSession::~UploadSession() {
   if (writer_ != nullptr) environment_.owners->Release(description_.id, replaced_);
 }
 
-absl::StatusOr<v1::UploadScanResponse> UploadSession::Handle(v1::UploadScanRequest& request) {
+absl::StatusOr<v1::UploadScanResponse> UploadSession::Handle(UploadMessage& message) {
+  v1::UploadScanRequest& request = message.request();
   if (request.has_start() == (writer_ != nullptr)) {
     return OrderError(writer_ == nullptr ? "the first message must be start" : "start came a second time");
   }
@@ -110,7 +111,7 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::Handle(v1::UploadScanReque
     case v1::UploadScanRequest::kStart:
       return Start(*request.mutable_start());
     case v1::UploadScanRequest::kChunk:
-      return Append(request.chunk());
+      return Append(message);
     case v1::UploadScanRequest::kFinish:
       return Finish(request.finish());
     default:
@@ -142,7 +143,7 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::Start(v1::UploadScanStart&
   if (writer_->committed_offset() > 0) environment_.metrics->UploadResumed();
   const bool is_plain =
       description_.header.encoding() == v1::POINT_ENCODING_RAW && wire::IsPackedFloats(description_.header.layout());
-  if (is_plain && writer_->committed_offset() == 0) digester_.emplace();
+  if (is_plain && writer_->committed_offset() == 0) finite_points_.emplace();
   v1::UploadScanResponse response;
   response.mutable_ready()->set_committed_offset(writer_->committed_offset());
   response.mutable_ready()->set_max_chunk_bytes(environment_.limits.max_chunk_bytes);
@@ -163,23 +164,29 @@ absl::StatusOr<std::optional<StoredScan>> UploadSession::FindKnown() const {
   return known;
 }
 
-absl::StatusOr<v1::UploadScanResponse> UploadSession::Append(const v1::PayloadChunk& chunk) {
+absl::StatusOr<v1::UploadScanResponse> UploadSession::Append(const UploadMessage& message) {
+  const v1::PayloadChunk& chunk = message.request().chunk();
+  const std::vector<std::string_view>& data = message.chunk_data();
+  uint64_t size = 0;
+  for (const std::string_view piece : data) size += piece.size();
   const uint32_t max_bytes = environment_.limits.max_chunk_bytes;
-  if (chunk.data().empty() || chunk.data().size() > max_bytes) {
+  if (size == 0 || size > max_bytes) {
     return wire::FieldError("chunk.data", absl::StrCat("must have 1 to ", max_bytes, " bytes"));
   }
   if (!chunk.has_crc32c()) return wire::FieldError("chunk.crc32c", "is required");
   const uint64_t committed = writer_->committed_offset();
   if (chunk.offset() != committed) return OffsetError("a chunk does not begin at the committed offset");
-  if (chunk.data().size() > description_.payload_bytes - committed) {
+  if (size > description_.payload_bytes - committed) {
     return OffsetError("a chunk goes beyond the declared size");
   }
-  if (wire::Crc32c(chunk.data()) != chunk.crc32c()) {
+  if (message.chunk_crc32c() != chunk.crc32c()) {
     environment_.metrics->ChecksumFailed();
     return wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "a chunk does not have the CRC-32C that came with it");
   }
-  if (const absl::Status appended = writer_->Append(chunk.offset(), chunk.data()); !appended.ok()) return appended;
-  if (digester_.has_value()) digester_->Update(chunk.data());
+  if (const absl::Status appended = writer_->Append(chunk.offset(), data); !appended.ok()) return appended;
+  if (finite_points_.has_value()) {
+    for (const std::string_view piece : data) finite_points_->Update(piece);
+  }
   v1::UploadScanResponse response;
   response.mutable_progress()->set_committed_offset(writer_->committed_offset());
   return response;
@@ -209,9 +216,11 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::DecodeAndCommit(const v1::
     const absl::StatusOr<v1::Digest> actual = writer_->PayloadDigest();
     if (!actual.ok()) return actual.status();
     if (const absl::Status same = CheckDigest(declared, *actual); !same.ok()) return same;
-    if (digester_.has_value()) {
-      const std::optional<Eigen::Vector3d> gravity = wire::GravityOf(description_.header);
-      return Commit(static_cast<uint64_t>(digester_->num_finite_points()), digester_->Digest(gravity));
+    // The payload is the coordinates, byte for byte.
+    const std::optional<uint64_t> points_hash = wire::Xxh3Of64Bits(*actual, description_.payload_bytes);
+    if (finite_points_.has_value() && points_hash.has_value()) {
+      return Commit(static_cast<uint64_t>(finite_points_->count()),
+                    ScanDigestOfHash(*points_hash, wire::GravityOf(description_.header)));
     }
   }
   const absl::StatusOr<MemoryBudget::Reservation> reservation =

@@ -19,6 +19,7 @@
 #include "core/scan.h"
 #include "curvereg/v1/scan_service.pb.h"
 #include "server/operations/metrics.h"
+#include "server/scans/upload_message.h"
 #include "server/scheduling/memory_budget.h"
 #include "server/settings/server_config.h"
 #include "server/store/scan_store.h"
@@ -63,11 +64,11 @@ class UploadSession {
   // Does what the message asks and returns the answer: ready, progress, or done, after which there is nothing more to
   // do. Errors as the contract has them; what is committed then stays, except where the payload as a whole is wrong
   // (DIGEST_MISMATCH, MALFORMED_PAYLOAD): that upload is forgotten. One thread at a time.
-  absl::StatusOr<v1::UploadScanResponse> Handle(v1::UploadScanRequest& request);
+  absl::StatusOr<v1::UploadScanResponse> Handle(UploadMessage& message);
 
  private:
   absl::StatusOr<v1::UploadScanResponse> Start(v1::UploadScanStart& start);
-  absl::StatusOr<v1::UploadScanResponse> Append(const v1::PayloadChunk& chunk);
+  absl::StatusOr<v1::UploadScanResponse> Append(const UploadMessage& message);
   absl::StatusOr<v1::UploadScanResponse> Finish(const v1::UploadScanFinish& finish);
   absl::StatusOr<std::optional<StoredScan>> FindKnown() const;
   absl::StatusOr<v1::UploadScanResponse> DecodeAndCommit(const v1::Digest& declared);
@@ -79,9 +80,9 @@ class UploadSession {
   const std::stop_source replaced_;
   UploadDescription description_;         // as `start` told it; id empty before
   std::unique_ptr<UploadWriter> writer_;  // from `start` on
-  // Of all bytes so far, where they are points as the core has them and all came in this stream: then nothing needs to
+  // In all bytes so far, where they are points as the core has them and all came in this stream: then nothing needs to
   // be read again and decoded at the end.
-  std::optional<ScanDigester> digester_;
+  std::optional<FinitePointCounter> finite_points_;
 };
 
 }  // namespace curvereg::server

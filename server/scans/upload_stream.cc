@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scans/upload_stream.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "server/scans/disk_task.h"
@@ -9,6 +11,9 @@
 
 namespace curvereg::server {
 namespace {
+
+// Messages read ahead: enough that neither the disk nor the link waits for the other at every chunk.
+constexpr std::size_t kMostWaiting = 3;
 
 constexpr MethodTraits kTraits = {"curvereg.v1.ScanService", "UploadScan", Scope::kWrite};
 
@@ -32,12 +37,15 @@ UploadStream::UploadStream(const Environment& environment, grpc::CallbackServerC
 }
 
 void UploadStream::OnReadDone(bool ok) {
+  // While reading_, nobody else looks at these.
+  ok = ok && arriving_.Parse(received_);
+  received_.Clear();
   std::unique_lock lock(mutex_);
   reading_ = false;
   if (ok) {
     call_.CountReceived();
-    arrived_ = true;
-    if (arriving_.has_finish()) input_end_ = absl::OkStatus();
+    if (arriving_.request().has_finish()) input_end_ = absl::OkStatus();
+    arrived_.push_back(std::exchange(arriving_, {}));
   } else {
     // The messages before still count, unless the caller is gone.
     input_end_ = context_.IsCancelled() ? Interruption(call_)
@@ -71,9 +79,12 @@ void UploadStream::OnReplaced() {
 }
 
 absl::Status UploadStream::Work() {
-  worked_ = session_.Handle(taken_);
+  for (UploadMessage& message : taken_) {
+    worked_ = session_.Handle(message);
+    if (!worked_.ok()) break;
+  }
   // Chunks of streams that idle would add up.
-  taken_.Clear();
+  taken_.clear();
   return worked_.status();
 }
 
@@ -94,12 +105,21 @@ void UploadStream::End(const absl::Status& status) {
 }
 
 void UploadStream::EndIfIdle() {
-  if (working_ || arrived_) return;
+  if (working_ || !arrived_.empty()) return;
   if (input_end_.has_value() && !input_end_->ok()) {
     End(*input_end_);
   } else if (environment_.calls.draining.stop_requested()) {
     End(wire::MakeError(v1::ERROR_REASON_NOT_SERVING, "the server is about to stop; what is committed stays"));
   }
+}
+
+void UploadStream::TakeArrived() {
+  const auto is_chunk = [](const UploadMessage& message) { return message.request().has_chunk(); };
+  auto end = std::find_if_not(arrived_.begin(), arrived_.end(), is_chunk);
+  // Alone, for its answer must be told; of chunks the last answer is enough.
+  if (end == arrived_.begin()) ++end;
+  taken_.assign(std::make_move_iterator(arrived_.begin()), std::make_move_iterator(end));
+  arrived_.erase(arrived_.begin(), end);
 }
 
 void UploadStream::Advance(std::unique_lock<std::mutex> lock) {
@@ -110,20 +130,19 @@ void UploadStream::Advance(std::unique_lock<std::mutex> lock) {
     return;
   }
   if (answer_.has_value() && !writing_) {
-    written_ = *std::exchange(answer_, std::nullopt);
+    written_ = SerializedResponse(*std::exchange(answer_, std::nullopt));
     writing_ = true;
     call_.CountSent();
     StartWrite(&written_);
   }
-  const bool work = arrived_ && !working_;
+  const bool work = !arrived_.empty() && !working_;
   if (work) {
-    arrived_ = false;
     working_ = true;
-    taken_.Swap(&arriving_);
+    TakeArrived();
   }
-  if (!reading_ && !arrived_ && !input_end_.has_value()) {
+  if (!reading_ && arrived_.size() < kMostWaiting && !input_end_.has_value()) {
     reading_ = true;
-    StartRead(&arriving_);
+    StartRead(&received_);
   }
   lock.unlock();
   // Without the lock, for the task may be refused or dropped at once. Until OnWorked nobody finishes the call.
@@ -138,7 +157,7 @@ void UploadStream::FinishCall(std::unique_lock<std::mutex> lock) {
   const grpc::Status status = call_.Finish(*end_);
   const bool is_done = end_->ok();
   if (is_done) {
-    written_ = *std::exchange(answer_, std::nullopt);
+    written_ = SerializedResponse(*std::exchange(answer_, std::nullopt));
     call_.CountSent();
   }
   lock.unlock();

@@ -1,21 +1,24 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The streaming of one UploadScan call: while the disk pool works on one message, the next is being read, and no more
-// than that. An idle stream holds no thread and next to no memory.
+// The streaming of one UploadScan call: while the disk pool works on some messages, the next few are being read, and no
+// more than that. An idle stream holds no thread and next to no memory.
 #ifndef CURVEREG_SERVER_SCANS_UPLOAD_STREAM_H_
 #define CURVEREG_SERVER_SCANS_UPLOAD_STREAM_H_
 
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "curvereg/v1/scan_service.pb.h"
 #include "server/call.h"
+#include "server/scans/upload_message.h"
 #include "server/scans/upload_session.h"
 #include "server/scheduling/worker_pool.h"
 
@@ -27,7 +30,7 @@ namespace curvereg::server {
 // Life: the object deletes itself in OnDone, which gRPC calls after Finish and after the reactions to all reads and
 // writes. Finish is called once, when no task is out and nothing is being written; whoever calls it touches the object
 // no more. Takeover and draining may come at any time: the destructors of their callbacks wait for one under way.
-class UploadStream final : public grpc::ServerBidiReactor<v1::UploadScanRequest, v1::UploadScanResponse> {
+class UploadStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   // Everything in it outlives the call.
   struct Environment {
@@ -52,6 +55,7 @@ class UploadStream final : public grpc::ServerBidiReactor<v1::UploadScanRequest,
   // These with the mutex held. Advance gives the lock back.
   void End(const absl::Status& status);  // the first reason counts
   void EndIfIdle();
+  void TakeArrived();  // for one task: the chunks in front, or one message of another kind
   void Advance(std::unique_lock<std::mutex> lock);
   void FinishCall(std::unique_lock<std::mutex> lock);
 
@@ -60,17 +64,18 @@ class UploadStream final : public grpc::ServerBidiReactor<v1::UploadScanRequest,
   Call call_;
 
   std::mutex mutex_;
-  bool reading_ = false;                          // into arriving_
-  bool arrived_ = false;                          // arriving_ holds a message that no task has taken
+  bool reading_ = false;                          // into received_ and arriving_
   bool working_ = false;                          // a task is out; taken_, worked_ and session_ are its own
   bool writing_ = false;                          // written_
   bool finished_ = false;                         // FinishCall was called
   std::optional<absl::Status> input_end_;         // no more is read; why, unless `finish` came
   std::optional<v1::UploadScanResponse> answer_;  // to be written; a newer one takes its place
   std::optional<absl::Status> end_;               // nothing new is begun; OK: answer_ is `done`
-  v1::UploadScanRequest arriving_;
-  v1::UploadScanRequest taken_;
-  v1::UploadScanResponse written_;
+  grpc::ByteBuffer received_;
+  UploadMessage arriving_;
+  std::vector<UploadMessage> arrived_;  // no task has taken them yet
+  std::vector<UploadMessage> taken_;
+  grpc::ByteBuffer written_;
   absl::StatusOr<v1::UploadScanResponse> worked_;
 
   const std::stop_source replaced_;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -105,7 +106,8 @@ class UploadWriter {
   virtual uint64_t committed_offset() const = 0;
   // Appends at the committed offset, which then is safe from the death of the process. OFFSET_OUT_OF_RANGE,
   // WRITER_REPLACED, STORAGE_FULL (disk full: the committed offset is unchanged), STORAGE_FAULT.
-  virtual absl::Status Append(uint64_t offset, std::string_view bytes) = 0;
+  virtual absl::Status Append(uint64_t offset, std::span<const std::string_view> pieces) = 0;
+  absl::Status Append(uint64_t offset, std::string_view bytes) { return Append(offset, {&bytes, 1}); }
   // All bytes so far. For checking before Commit.
   virtual absl::StatusOr<std::string> ReadAll() = 0;
   // XXH3_128 of all bytes so far.

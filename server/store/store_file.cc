@@ -6,8 +6,11 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <filesystem>
@@ -63,15 +66,27 @@ absl::StatusOr<uint64_t> StoreFile::Size() const {
   return static_cast<uint64_t>(info.st_size);
 }
 
-absl::Status StoreFile::WriteAt(uint64_t offset, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+absl::Status StoreFile::WriteAt(uint64_t offset, std::span<const std::string_view> pieces) {
+  std::size_t done = 0;  // of the first piece
+  while (true) {
+    while (!pieces.empty() && done >= pieces.front().size()) {
+      done -= pieces.front().size();
+      pieces = pieces.subspan(1);
+    }
+    if (pieces.empty()) return absl::OkStatus();
+    std::array<iovec, 256> vectors;
+    const std::size_t num_vectors = std::min(pieces.size(), vectors.size());
+    for (std::size_t i = 0; i < num_vectors; ++i) {
+      // The kernel only reads.
+      vectors[i] = {const_cast<char*>(pieces[i].data()), pieces[i].size()};
+    }
+    vectors[0] = {const_cast<char*>(pieces[0].data()) + done, pieces[0].size() - done};
+    const ssize_t written = pwritev(fd_, vectors.data(), static_cast<int>(num_vectors), static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return FileError(path_, "cannot write", errno);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
+    done += static_cast<std::size_t>(written);
     offset += static_cast<uint64_t>(written);
   }
-  return absl::OkStatus();
 }
 
 absl::StatusOr<std::string> StoreFile::ReadAt(uint64_t offset, uint64_t size) const {

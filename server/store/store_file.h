@@ -7,6 +7,7 @@
 #define CURVEREG_SERVER_STORE_STORE_FILE_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,7 +33,9 @@ class StoreFile {
   // Locks it until it is closed, at the latest by the death of the process; false: somebody else has it.
   absl::StatusOr<bool> TryLock();
   absl::StatusOr<uint64_t> Size() const;
-  absl::Status WriteAt(uint64_t offset, std::string_view bytes);
+  // The pieces one after the other.
+  absl::Status WriteAt(uint64_t offset, std::span<const std::string_view> pieces);
+  absl::Status WriteAt(uint64_t offset, std::string_view bytes) { return WriteAt(offset, {&bytes, 1}); }
   // Fewer than `size` at the end of the file.
   absl::StatusOr<std::string> ReadAt(uint64_t offset, uint64_t size) const;
   absl::Status Truncate(uint64_t size);

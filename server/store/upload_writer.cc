@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,18 +33,22 @@ class UploadWriterImpl final : public UploadWriter {
 
   uint64_t committed_offset() const override { return committed_offset_; }
 
-  absl::Status Append(uint64_t offset, std::string_view bytes) override {
+  absl::Status Append(uint64_t offset, std::span<const std::string_view> pieces) override {
+    uint64_t size = 0;
+    for (const std::string_view piece : pieces) size += piece.size();
     const std::lock_guard lock(upload_.mutex);
     if (absl::Status status = CheckGrant(); !status.ok()) return status;
     if (offset != upload_.committed_offset) return OutOfRange("the bytes do not begin at the committed offset");
-    if (bytes.size() > upload_.description.payload_bytes - offset) return OutOfRange("more bytes than were declared");
-    if (absl::Status status = grant_.file.WriteAt(offset, bytes); !status.ok()) {
+    if (size > upload_.description.payload_bytes - offset) return OutOfRange("more bytes than were declared");
+    if (absl::Status status = grant_.file.WriteAt(offset, pieces); !status.ok()) {
       // What stays behind when even this fails is right as far as it goes.
       static_cast<void>(grant_.file.Truncate(offset));
       return status;
     }
-    if (upload_.digested_bytes == offset) Digest(bytes);
-    store_.uploads().AddProgress(upload_, bytes.size());
+    if (upload_.digested_bytes == offset) {
+      for (const std::string_view piece : pieces) Digest(piece);
+    }
+    store_.uploads().AddProgress(upload_, size);
     committed_offset_ = upload_.committed_offset;
     if (committed_offset_ - writeback_offset_ >= kWritebackBytes) {
       grant_.file.StartWriteback(writeback_offset_, committed_offset_ - writeback_offset_);

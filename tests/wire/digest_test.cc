@@ -7,6 +7,9 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "tests/testing/matchers.h"
 #include "wire/error.h"
@@ -114,6 +117,30 @@ TEST(DigestTest, ValidationNamesTheField) {
 TEST(HexTextTest, WritesLowerCase) {
   EXPECT_EQ(HexText(""), "");
   EXPECT_EQ(HexText(std::string_view("\x00\xAF\x10", 3)), "00af10");
+}
+
+TEST(Crc32cTest, GoesOnFromAnEarlierOne) {
+  const std::string bytes = "123456789";
+  for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
+    EXPECT_EQ(ExtendCrc32c(Crc32c(bytes.substr(0, cut)), bytes.substr(cut)), 0xE3069283U) << cut;
+  }
+}
+
+// All lengths around the ends of XXH3's formulas and blocks, and some long ones.
+TEST(DigestTest, HoldsXxh3Of64Bits) {
+  std::string bytes;
+  for (int i = 0; i < 300'000; ++i) bytes.push_back(static_cast<char>(i * 31 % 251));
+  std::vector<std::size_t> sizes = {16'384, 65'537, 299'999, bytes.size()};
+  for (std::size_t size = 0; size < 2200; ++size) sizes.push_back(size);
+  for (const std::size_t size : sizes) {
+    const v1::Digest digest = DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, bytes.substr(0, size));
+    const std::optional<uint64_t> hash = Xxh3Of64Bits(digest, size);
+    ASSERT_EQ(hash.has_value(), size > 240) << size;
+    if (size > 240) {
+      EXPECT_EQ(*hash, XXH3_64bits(bytes.data(), size)) << size;
+    }
+  }
+  EXPECT_FALSE(Xxh3Of64Bits(DigestOf(v1::DIGEST_ALGORITHM_SHA256, bytes), bytes.size()).has_value());
 }
 
 }  // namespace
