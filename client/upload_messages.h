@@ -12,15 +12,17 @@
 #include <string>
 #include <string_view>
 
+#include "client/lent_bytes.h"
 #include "curvereg/v1/scan_service.pb.h"
 
 namespace curvereg::internal {
 
 // The bytes to send. With an owner, messages refer to them and keep the owner, for gRPC may hold a message longer than
-// its call; without one (bytes of the caller's), messages have copies.
+// its call; with a lender (bytes of the caller's), they refer to them as lent; with neither, messages have copies.
 struct UploadPayload {
   std::string_view bytes;
   std::shared_ptr<const std::string> owner;
+  LentBytes* lender = nullptr;
 };
 
 grpc::ByteBuffer SerializedRequest(const v1::UploadScanRequest& request);

@@ -124,6 +124,7 @@ bool UploadStream::TakeCommitted(uint64_t committed) {
 void UploadStream::SendNext() {
   uint64_t begin = 0;
   uint64_t size = 0;
+  UploadPayload payload = source_.payload;
   {
     const std::lock_guard lock(mutex_);
     if (writing_ || !ready_ || finish_sent_ || state_.done) return;
@@ -139,10 +140,12 @@ void UploadStream::SendNext() {
       finish_sent_ = true;
     }
     writing_ = true;
+    // Whoever lends must wait, should the link die, until gRPC notices. So only where the copy would cost time.
+    if (!window_.IsWideOpen()) payload.lender = nullptr;
   }
   // Only one message is under way at a time, so message_ is ours here.
   if (size > 0) {
-    message_ = SerializedChunk(source_.payload, begin, size);
+    message_ = SerializedChunk(payload, begin, size);
     StartWrite(&message_);
     return;
   }

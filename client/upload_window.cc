@@ -27,6 +27,8 @@ uint64_t UploadWindow::NextChunkBytes(uint64_t offset, uint64_t committed, uint6
   return offset - committed + chunk <= bytes_ ? chunk : 0;
 }
 
+bool UploadWindow::IsWideOpen() const { return bytes_ >= kGreatestWindow; }
+
 void UploadWindow::Sent(uint64_t end_offset, TimePoint now) {
   if (under_way_.empty()) round_end_ = end_offset;
   under_way_.push_back({end_offset, now});

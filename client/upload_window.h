@@ -32,6 +32,8 @@ class UploadWindow {
   void Acknowledged(uint64_t committed, TimePoint now);
 
   uint64_t bytes() const { return bytes_; }
+  // Acknowledgements have come at once for some time.
+  bool IsWideOpen() const;
 
  private:
   struct Chunk {

@@ -4,8 +4,12 @@
 
 #include <grpcpp/support/slice.h>
 
+#include <atomic>
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -53,6 +57,24 @@ TEST(SerializedChunkTest, KeepsThePayloadAliveAndLetsItGo) {
     EXPECT_EQ(request.chunk().data(), std::string(90'000, 'p'));
   }
   EXPECT_TRUE(watched.expired());
+}
+
+TEST(SerializedChunkTest, LendsAndWaitsForTheReturn) {
+  std::string bytes(100'000, 'p');
+  std::atomic<bool> is_back = false;
+  LentBytes lender;
+  std::optional<grpc::ByteBuffer> message = SerializedChunk({bytes, nullptr, &lender}, 10, 90'000);
+  std::jthread waiting([&] {
+    lender.AwaitReturn();
+    is_back = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_FALSE(is_back);
+  bytes[10] = 'q';  // seen by the message: it is no copy
+  EXPECT_NE(BytesOf(*message).find("qp"), std::string::npos);
+  message.reset();
+  waiting.join();
+  EXPECT_TRUE(is_back);
 }
 
 TEST(SerializedChunkTest, CopiesWhatItDoesNotOwn) {
