@@ -7,7 +7,9 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,9 +25,9 @@ class MemoryUpload final : public UploadWriter {
   MemoryUpload(UploadDescription description, std::string& bytes)
       : description_(std::move(description)), bytes_(bytes) {}
   uint64_t committed_offset() const override { return bytes_.size(); }
-  absl::Status Append(uint64_t offset, std::string_view bytes) override {
+  absl::Status Append(uint64_t offset, std::span<const std::string_view> pieces) override {
     if (offset != bytes_.size()) return wire::MakeError(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE, "not the offset");
-    bytes_.append(bytes);
+    for (const std::string_view piece : pieces) bytes_.append(piece);
     return absl::OkStatus();
   }
   absl::StatusOr<std::string> ReadAll() override { return bytes_; }

@@ -4,6 +4,7 @@
 // Any bytes as any message of the services, through the decoding and validation that the server (and, of answers, the
 // client) does. The first byte picks the message, the rest is what came on the wire; an upload is a row of messages,
 // each after its length in two bytes.
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -19,6 +20,7 @@
 #include "server/registration/registration_service.h"
 #include "server/registration/scan_side.h"
 #include "server/scans/scan_conversion.h"
+#include "server/scans/upload_message.h"
 #include "server/scans/upload_session.h"
 #include "server/scheduling/memory_budget.h"
 #include "server/scheduling/prepared_scan_cache.h"
@@ -107,11 +109,21 @@ void CheckUpload(std::string_view bytes, bool mended) {
   std::string payload;
   while (bytes.size() >= 2) {
     const size_t length = static_cast<uint8_t>(bytes[0]) + 256U * static_cast<uint8_t>(bytes[1]);
-    v1::UploadScanRequest request;
-    if (!request.ParseFromString(std::string(bytes.substr(2, length)))) return;
+    std::string text(bytes.substr(2, length));
     bytes.remove_prefix(std::min(bytes.size(), 2 + length));
-    if (mended) Mend(request, payload);
-    const absl::StatusOr<v1::UploadScanResponse> answer = session.Handle(request);
+    v1::UploadScanRequest request;
+    const bool is_request = request.ParseFromString(text);
+    if (mended && is_request) {
+      Mend(request, payload);
+      text = request.SerializeAsString();
+    }
+    // In two slices, as gRPC may cut it.
+    const std::array<grpc::Slice, 2> slices = {grpc::Slice(text.substr(0, text.size() / 2)),
+                                               grpc::Slice(text.substr(text.size() / 2))};
+    UploadMessage message;
+    Require(message.Parse(grpc::ByteBuffer(slices.data(), slices.size())) == is_request);
+    if (!is_request) return;
+    const absl::StatusOr<v1::UploadScanResponse> answer = session.Handle(message);
     CheckError(answer.status());
     if (!answer.ok() || answer->has_done()) break;
   }
