@@ -61,8 +61,10 @@ void CheckError(const absl::Status& status) {
 
 void CheckInput(const v1::ScanInput& input, const std::string& field) {
   MemoryScanStore store;
+  static Metrics metrics;  // dear to make
   PreparedScanCache cache(uint64_t{1} << 20);
   RegistrationBackend backend;
+  backend.calls.metrics = &metrics;
   backend.limits = FuzzLimits();
   backend.cache = &cache;
   backend.store = &store;
