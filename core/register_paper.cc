@@ -89,10 +89,6 @@ absl::Status EstimatePose(std::span<const PointPair> pairs, const PaperOptions& 
   return absl::OkStatus();
 }
 
-int64_t CountFinite(const Scan& scan) {
-  return std::ranges::count_if(scan.points, [](const Eigen::Vector3f& point) { return point.allFinite(); });
-}
-
 // What RegisterPaper was asked.
 struct Call {
   const Scan& source;
@@ -151,8 +147,8 @@ absl::StatusOr<RegistrationResult> RegisterPaper(const Scan& source, const Scan&
   if (absl::Status status = Validate(options); !status.ok()) return status;
   RegistrationResult result;
   StageTimer timer;
-  result.evidence.num_source_points = CountFinite(source);
-  result.evidence.num_target_points = CountFinite(target);
+  result.evidence.num_source_points = CountFinitePoints(source);
+  result.evidence.num_target_points = CountFinitePoints(target);
   result.evidence.num_attempts = 1;
   absl::Status status = RunStages({source, target, options, stop}, timer, result);
   if (absl::IsDeadlineExceeded(status)) {

@@ -58,22 +58,6 @@ std::string OptionsDigest(const RegistrationOptions& options) {
   return absl::StrFormat("%016x", XXH3_64bits(text.data(), text.size()));
 }
 
-int64_t CountFinite(const Scan& scan) {
-  int64_t count = 0;
-  for (const Eigen::Vector3f& point : scan.points) count += point.allFinite() ? 1 : 0;
-  return count;
-}
-
-Stop MakeStop(const RegistrationOptions& options, Clock::time_point start) {
-  Stop stop{options.cancellation, options.deadline};
-  if (options.time_budget_s.has_value()) {
-    const Clock::time_point end = start + std::chrono::duration_cast<Clock::duration>(
-                                              std::chrono::duration<double>(std::min(*options.time_budget_s, 1e6)));
-    stop.deadline = std::min(end, options.deadline.value_or(end));
-  }
-  return stop;
-}
-
 absl::StatusOr<RegistrationResult> RunPreparedMethod(const PreparedScan& source, const PreparedScan& target,
                                                      const RegistrationOptions& options, const Stop& stop) {
   if (options.method == Method::kIcp) return RegisterIcp(source, target, options, stop);
@@ -128,7 +112,7 @@ absl::StatusOr<RegistrationResult> RunWithin(const RegistrationOptions& options,
                                              const Run& run) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
   const Clock::time_point start = Clock::now();
-  const Stop stop = MakeStop(options, start);
+  const Stop stop = StopOf(options, start);
   absl::StatusOr<RegistrationResult> result = absl::UnknownError("not run");
   WithThreadLimit(options.num_threads, [&] { result = run(stop); });
   if (!result.ok()) return result;
@@ -137,13 +121,23 @@ absl::StatusOr<RegistrationResult> RunWithin(const RegistrationOptions& options,
   result->source_digest = ScanDigest(source);
   result->target_digest = ScanDigest(target);
   result->build_id = BuildId();
-  result->evidence.num_source_points = CountFinite(source);
-  result->evidence.num_target_points = CountFinite(target);
+  result->evidence.num_source_points = CountFinitePoints(source);
+  result->evidence.num_target_points = CountFinitePoints(target);
   result->total_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return result;
 }
 
 }  // namespace
+
+Stop StopOf(const RegistrationOptions& options, Clock::time_point start) {
+  Stop stop{options.cancellation, options.deadline};
+  if (options.time_budget_s.has_value()) {
+    const Clock::time_point end = start + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(std::min(*options.time_budget_s, 1e6)));
+    stop.deadline = std::min(end, options.deadline.value_or(end));
+  }
+  return stop;
+}
 
 RegistrationResult OutOfTimeResult(const RegistrationOptions& options) {
   RegistrationResult result;

@@ -6,6 +6,7 @@
 #ifndef CURVEREG_CORE_REGISTER_SCANS_H_
 #define CURVEREG_CORE_REGISTER_SCANS_H_
 
+#include <chrono>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -26,6 +27,10 @@ absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan&
 // The same for scans prepared before: costs what the pair costs.
 absl::StatusOr<RegistrationResult> RegisterPreparedScans(const PreparedScan& source, const PreparedScan& target,
                                                          const RegistrationOptions& options = {});
+
+// When a registration that begins at `start` must end: the earlier of the options' deadline and time budget, and their
+// cancellation.
+Stop StopOf(const RegistrationOptions& options, std::chrono::steady_clock::time_point start);
 
 // What RegisterScans answers when time runs out before it has looked at the scans: no pose, Reason::kDeadline. Counts
 // and digests of the scans are left to the caller.

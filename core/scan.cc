@@ -77,9 +77,9 @@ Spread MeasureSpread(const std::vector<Eigen::Vector3f>& points, size_t stride, 
   return variances[1] <= rounding ? Spread::kLine : Spread::kArea;
 }
 
-std::string DigestText(XXH64_hash_t points_hash, const std::optional<Eigen::Vector3d>& gravity) {
-  if (!gravity.has_value()) return absl::StrFormat("%016x", points_hash);
-  return absl::StrFormat("%016x", XXH3_64bits_withSeed(gravity->data(), 3 * sizeof(double), points_hash));
+std::string_view PackedPoints(const Scan& scan) {
+  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
+  return {reinterpret_cast<const char*>(scan.points.data()), scan.points.size() * sizeof(Eigen::Vector3f)};
 }
 
 // Of whole packed points, which need not be aligned.
@@ -124,13 +124,16 @@ absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits, const Stop
   return absl::InvalidArgumentError("all points of the scan lie on one line");
 }
 
+int64_t CountFinitePoints(const Scan& scan) { return CountFinite(PackedPoints(scan)); }
+
 std::string ScanDigest(const Scan& scan) {
-  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
-  return DigestText(XXH3_64bits(scan.points.data(), scan.points.size() * sizeof(Eigen::Vector3f)), scan.gravity);
+  const std::string_view points = PackedPoints(scan);
+  return ScanDigestOfHash(XXH3_64bits(points.data(), points.size()), scan.gravity);
 }
 
 std::string ScanDigestOfHash(uint64_t points_hash, const std::optional<Eigen::Vector3d>& gravity) {
-  return DigestText(points_hash, gravity);
+  if (!gravity.has_value()) return absl::StrFormat("%016x", points_hash);
+  return absl::StrFormat("%016x", XXH3_64bits_withSeed(gravity->data(), 3 * sizeof(double), points_hash));
 }
 
 void FinitePointCounter::Update(std::string_view bytes) {

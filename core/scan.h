@@ -40,6 +40,9 @@ struct ScanLimits {
 // requested.
 absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits = {}, const Stop& stop = {});
 
+// Points that are finite, i.e. returns.
+int64_t CountFinitePoints(const Scan& scan);
+
 // 16 hexadecimal digits (XXH3-64 of the packed little-endian float32 coordinates and the gravity vector, if any):
 // equal scans have equal digests.
 std::string ScanDigest(const Scan& scan);

@@ -45,8 +45,7 @@ class Drawing {
       : scan_(scan), kinds_(kinds), stop_(stop) {}
 
   absl::StatusOr<ScanPictures> Draw() && {
-    result_.num_points =
-        std::count_if(scan_.points.begin(), scan_.points.end(), [](const auto& p) { return p.allFinite(); });
+    result_.num_points = CountFinitePoints(scan_);
     if (absl::Status status = AddRangeView(); !status.ok()) return status;
     if (!Wants(PictureKind::kViews) && !Wants(PictureKind::kDifferences) && !Wants(PictureKind::kKeypoints)) {
       return std::move(result_);

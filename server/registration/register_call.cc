@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr MethodTraits kTraits = {"curvereg.v1.RegistrationService", "RegisterScans", Scope::kRead};
+constexpr MethodTraits kTraits = {v1::RegistrationService::service_full_name(), "RegisterScans", Scope::kRead};
 constexpr std::chrono::milliseconds kMinMargin{50};
 constexpr std::chrono::milliseconds kMaxMargin{1000};
 
@@ -55,11 +55,7 @@ absl::Status RegisterCall::Compute(const Stop& stop) {
   const Clock::time_point now = Clock::now();
   options_.cancellation = stop.cancellation;
   if (stop.deadline.has_value()) options_.deadline = AnswerBy(now, *stop.deadline);
-  if (options_.time_budget_s.has_value()) {  // decoding and preparing count, too
-    const Clock::time_point end = now + std::chrono::duration_cast<Clock::duration>(
-                                            std::chrono::duration<double>(std::min(*options_.time_budget_s, 1e6)));
-    options_.deadline = std::min(end, options_.deadline.value_or(end));
-  }
+  options_.deadline = StopOf(options_, now).deadline;  // decoding and preparing count in the time budget, too
   const absl::StatusOr<RegistrationResult> result = Register();
   if (!result.ok()) return result.status();
   backend().calls.metrics->Registered(*result);
