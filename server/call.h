@@ -58,8 +58,9 @@ class Call {
   void CountReceived();
   void CountSent();
 
-  // Once, at the end: counts, logs, adds grpc-retry-pushback-ms to errors with a RetryInfo, maps the status.
-  grpc::Status Finish(const absl::Status& status);
+  // Once, at the end: counts, logs, adds grpc-retry-pushback-ms to errors with a RetryInfo, maps the status. CANCELLED
+  // past the deadline becomes DEADLINE_EXCEEDED, for then gRPC cancels, too.
+  grpc::Status Finish(const absl::Status& end);
 
  private:
   const CallEnvironment environment_;

@@ -2,27 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/registration/computing_call.h"
 
-#include <exception>
 #include <functional>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "wire/error.h"
+#include "server/caught.h"
 
 namespace curvereg::server {
-namespace {
-
-// The one place where exceptions of libraries (want of memory above all) are caught.
-absl::Status Caught(const std::function<absl::Status()>& work) {
-  try {
-    return work();
-  } catch (const std::exception& error) {
-    return absl::InternalError(absl::StrCat("a library threw: ", error.what()));
-  }
-}
-
-}  // namespace
-
 grpc::ServerUnaryReactor* ComputingCall::Start() {
   grpc::ServerUnaryReactor* const reactor = this;
   call_.CountReceived();
@@ -57,13 +42,9 @@ void ComputingCall::Run() {
   }
 }
 
-void ComputingCall::End(absl::Status status) {
+void ComputingCall::End(const absl::Status& status) {
   Release();
   reservation_ = MemoryBudget::Reservation();
-  // At the deadline gRPC cancels the call; tell what it was.
-  if (absl::IsCancelled(status) && call_.stop().PastDeadline()) {
-    status = wire::MakeError(v1::ERROR_REASON_DEADLINE_EXCEEDED, "the deadline of the call passed");
-  }
   if (status.ok()) call_.CountSent();
   Finish(call_.Finish(status));
 }

@@ -43,7 +43,7 @@ class ComputingCall : public grpc::ServerUnaryReactor {
  private:
   absl::Status Queue();
   void Run();
-  void End(absl::Status status);
+  void End(const absl::Status& status);
 
   const RegistrationBackend& backend_;
   Call call_;

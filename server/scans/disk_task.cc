@@ -2,25 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scans/disk_task.h"
 
-#include <exception>
 #include <memory>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
+#include "server/caught.h"
 
 namespace curvereg::server {
-namespace {
-
-absl::Status Caught(const std::function<absl::Status()>& work) {
-  try {
-    return work();
-  } catch (const std::exception& error) {
-    return absl::InternalError(absl::StrCat("a library threw: ", error.what()));
-  }
-}
-
-}  // namespace
-
 void RunOnDiskPool(WorkerPool& pool, const Call& call, DiskTask task) {
   const auto shared = std::make_shared<const DiskTask>(std::move(task));
   const absl::Status accepted =

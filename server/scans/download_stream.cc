@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/scans/disk_task.h"
 #include "server/scans/scan_conversion.h"
 #include "wire/error.h"
@@ -13,13 +14,10 @@
 namespace curvereg::server {
 namespace {
 
-constexpr MethodTraits kTraits = {"curvereg.v1.ScanService", "DownloadScan", Scope::kRead};
+constexpr MethodTraits kTraits = {v1::ScanService::service_full_name(), "DownloadScan", Scope::kRead};
 constexpr uint64_t kLeastChunkBytes = 1024;  // each chunk costs a look into the store
 
-absl::Status Interruption(const Call& call) {
-  return call.stop().PastDeadline() ? absl::DeadlineExceededError("the deadline passed during the download")
-                                    : absl::CancelledError("the caller cancelled or is gone");
-}
+absl::Status Interruption() { return absl::CancelledError("the caller cancelled or is gone"); }
 
 }  // namespace
 
@@ -35,14 +33,14 @@ DownloadStream::DownloadStream(const Environment& environment, grpc::CallbackSer
 void DownloadStream::OnWriteDone(bool ok) {
   std::unique_lock lock(mutex_);
   writing_ = false;
-  if (!ok) End(Interruption(call_));
+  if (!ok) End(Interruption());
   Advance(std::move(lock));
 }
 
 void DownloadStream::OnCancel() {
   {
     const std::lock_guard lock(mutex_);
-    End(Interruption(call_));
+    End(Interruption());
   }
   // Drops a task that waits, on this thread, which comes back by OnWorked.
   call_.Cancel();

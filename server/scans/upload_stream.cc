@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/scans/disk_task.h"
 #include "wire/error.h"
 
@@ -15,12 +16,9 @@ namespace {
 // Messages read ahead: enough that neither the disk nor the link waits for the other at every chunk.
 constexpr std::size_t kMostWaiting = 3;
 
-constexpr MethodTraits kTraits = {"curvereg.v1.ScanService", "UploadScan", Scope::kWrite};
+constexpr MethodTraits kTraits = {v1::ScanService::service_full_name(), "UploadScan", Scope::kWrite};
 
-absl::Status Interruption(const Call& call) {
-  return call.stop().PastDeadline() ? absl::DeadlineExceededError("the deadline passed during the upload")
-                                    : absl::CancelledError("the caller cancelled or is gone");
-}
+absl::Status Interruption() { return absl::CancelledError("the caller cancelled or is gone"); }
 
 }  // namespace
 
@@ -48,7 +46,7 @@ void UploadStream::OnReadDone(bool ok) {
     arrived_.push_back(std::exchange(arriving_, {}));
   } else {
     // The messages before still count, unless the caller is gone.
-    input_end_ = context_.IsCancelled() ? Interruption(call_)
+    input_end_ = context_.IsCancelled() ? Interruption()
                                         : wire::MakeError(v1::ERROR_REASON_UNEXPECTED_MESSAGE,
                                                           "the stream ended, or was not readable, before finish");
   }
@@ -58,14 +56,14 @@ void UploadStream::OnReadDone(bool ok) {
 void UploadStream::OnWriteDone(bool ok) {
   std::unique_lock lock(mutex_);
   writing_ = false;
-  if (!ok) End(Interruption(call_));
+  if (!ok) End(Interruption());
   Advance(std::move(lock));
 }
 
 void UploadStream::OnCancel() {
   {
     const std::lock_guard lock(mutex_);
-    End(Interruption(call_));
+    End(Interruption());
   }
   // Drops a task that waits, on this thread, which comes back by OnWorked.
   call_.Cancel();
