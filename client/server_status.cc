@@ -10,6 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "client/retry.h"
 #include "curvereg/v1/registration_service.grpc.pb.h"
+#include "curvereg/v1/scan_service.grpc.pb.h"
+#include "curvereg/v1/traverse_service.grpc.pb.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 
 namespace curvereg::internal {
@@ -19,8 +21,8 @@ using Clock = std::chrono::steady_clock;
 namespace health = grpc::health::v1;
 
 constexpr int kNumRoundTrips = 5;
-constexpr const char* kServices[] = {"curvereg.v1.RegistrationService", "curvereg.v1.ScanService",
-                                     "curvereg.v1.TraverseService"};
+constexpr const char* kServices[] = {v1::RegistrationService::service_full_name(), v1::ScanService::service_full_name(),
+                                     v1::TraverseService::service_full_name()};
 
 // NOT_FOUND: the server does not have this service.
 absl::StatusOr<bool> IsServing(Connection& connection, const std::string& service) {

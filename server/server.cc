@@ -36,8 +36,8 @@
 namespace curvereg::server {
 namespace {
 
-constexpr char kRegistrationServiceName[] = "curvereg.v1.RegistrationService";
-constexpr char kScanServiceName[] = "curvereg.v1.ScanService";
+constexpr const char* kRegistrationServiceName = v1::RegistrationService::service_full_name();
+constexpr const char* kScanServiceName = v1::ScanService::service_full_name();
 constexpr int kDiskWorkers = 2;                                // one that writes, one that checks
 constexpr int kMaxDiskTasks = 1 << 20;                         // each open stream has at most one
 constexpr int kMessageOverheadBytes = 64 << 10;                // what a chunk's message has beside its data

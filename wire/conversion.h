@@ -24,6 +24,9 @@ absl::StatusOr<Matrix6d> FromWire(const v1::PoseCovariance& covariance);
 v1::Method ToWire(Method method);
 absl::StatusOr<Method> FromWire(v1::Method method);  // UNSPECIFIED: curvelet
 
+// Threads for a request that wants at most so many; 0 on either side: no bound from there.
+int ThreadsWithin(uint32_t wanted, int max_threads);
+
 v1::RegistrationOptions ToWire(const RegistrationOptions& options);  // limits, deadline and cancellation stay behind
 // max_threads above `max_threads` are cut to it (0: no bound). cancellation and deadline are left for the caller.
 absl::StatusOr<RegistrationOptions> FromWire(const v1::RegistrationOptions& options, int max_threads);

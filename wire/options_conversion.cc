@@ -32,14 +32,13 @@ absl::StatusOr<Prior> PriorFromWire(const v1::Prior& message) {
   return prior;
 }
 
-// 0 asks for what there is, on both sides.
+}  // namespace
+
 int ThreadsWithin(uint32_t wanted, int max_threads) {
   const uint32_t bound = static_cast<uint32_t>(max_threads > 0 ? max_threads : std::numeric_limits<int>::max());
   if (wanted == 0) return std::max(max_threads, 0);
   return static_cast<int>(std::min(wanted, bound));
 }
-
-}  // namespace
 
 v1::Method ToWire(Method method) {
   for (const auto& [ours, theirs] : kMethods) {

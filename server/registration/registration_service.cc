@@ -9,7 +9,7 @@
 namespace curvereg::server {
 namespace {
 
-constexpr MethodTraits kListMethods = {"curvereg.v1.RegistrationService", "ListMethods", Scope::kRead};
+constexpr MethodTraits kListMethods = {v1::RegistrationService::service_full_name(), "ListMethods", Scope::kRead};
 
 }  // namespace
 

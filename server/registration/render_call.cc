@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "wire/conversion.h"
 #include "wire/error.h"
 
 namespace curvereg::server {
 namespace {
 
-constexpr MethodTraits kTraits = {"curvereg.v1.RegistrationService", "RenderScan", Scope::kRead};
+constexpr MethodTraits kTraits = {v1::RegistrationService::service_full_name(), "RenderScan", Scope::kRead};
 
 constexpr std::array<std::pair<PictureKind, v1::PictureKind>, 4> kKinds = {
     {{PictureKind::kViews, v1::PICTURE_KIND_VIEWS},
@@ -57,11 +58,9 @@ absl::Status RenderCall::Compute(const Stop& stop) {
   const absl::StatusOr<std::shared_ptr<const Scan>> scan = scan_->Decode();
   if (!scan.ok()) return scan.status();
   if (absl::Status status = ValidateScan(**scan, {}, stop); !status.ok()) return scan_->Named(status);
-  const auto max_threads = static_cast<uint32_t>(backend().limits.max_threads_per_registration);
-  const uint32_t num_threads =
-      request_.max_threads() == 0 ? max_threads : std::min(request_.max_threads(), max_threads);
+  const int num_threads = wire::ThreadsWithin(request_.max_threads(), backend().limits.max_threads_per_registration);
   absl::StatusOr<ScanPictures> pictures = absl::UnknownError("not drawn");
-  WithThreadLimit(static_cast<int>(num_threads), [&] { pictures = DrawScan(**scan, kinds_, stop); });
+  WithThreadLimit(num_threads, [&] { pictures = DrawScan(**scan, kinds_, stop); });
   if (!pictures.ok()) return scan_->Named(pictures.status());
   return Answer(*pictures, stop);
 }

@@ -13,7 +13,7 @@
 namespace curvereg::server {
 namespace {
 
-constexpr char kService[] = "curvereg.v1.ScanService";
+constexpr const char* kService = v1::ScanService::service_full_name();
 constexpr MethodTraits kGetUpload = {kService, "GetUpload", Scope::kRead};
 constexpr MethodTraits kGetScan = {kService, "GetScan", Scope::kRead};
 constexpr MethodTraits kListScans = {kService, "ListScans", Scope::kRead};
