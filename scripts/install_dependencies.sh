@@ -14,7 +14,7 @@ declare -A PACKAGES=(
   [build]="
     g++ gcc libc6-dev cmake ninja-build ccache make git pkg-config
     libeigen3-dev libfftw3-dev libflann-dev liblz4-dev libabsl-dev libtbb-dev libxxhash-dev
-    libpng-dev libcli11-dev nlohmann-json3-dev
+    libpng-dev libceres-dev libcli11-dev nlohmann-json3-dev
     libgtest-dev libgmock-dev libbenchmark-dev"
   # the service and its client library (-DCURVEREG_BUILD_SERVER=OFF does without), and what their tests call
   [server]="
@@ -26,7 +26,7 @@ declare -A PACKAGES=(
   [runtime]="
     libstdc++6 libgrpc++1.51 libgrpc29 libprotobuf32 libabsl20220623 libssl3 libsqlite3-0 libzstd1 libisal2
     libspdlog1.10 libtomlplusplus3 libprometheus-cpp-core1.0 libcivetweb1
-    libfftw3-double3 libfftw3-single3 libtbb12 libxxhash0 liblz4-1 libpng16-16"
+    libceres3 libfftw3-double3 libfftw3-single3 libtbb12 libxxhash0 liblz4-1 libpng16-16"
   # the paper's rivals (-DCURVEREG_BUILD_BASELINES=OFF does without; by far the largest download)
   [baselines]="libpcl-dev"
   # the figures of the evaluation report

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Pose graph: the poses that agree best with all measured transforms between them, in spite of some that are wrong.
+#ifndef CURVEREG_CORE_MAPPING_POSE_GRAPH_H_
+#define CURVEREG_CORE_MAPPING_POSE_GRAPH_H_
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/rigid_transform.h"
+#include "core/stop.h"
+
+namespace curvereg {
+
+// A measured transform between two nodes.
+struct PoseGraphEdge {
+  int source = 0;  // index of a node
+  int target = 0;
+  RigidTransform T_target_source = RigidTransform::Identity();
+  Matrix6d covariance = Matrix6d::Identity();  // of (rotation [rad], translation [m]), left perturbation, target frame
+  bool may_be_wrong = true;  // false: never given up (a prior from odometry with an honest covariance)
+};
+
+struct PoseGraph {
+  std::vector<RigidTransform> T_graph_node;  // first guesses
+  std::vector<PoseGraphEdge> edges;
+};
+
+struct PoseGraphOptions {
+  // Geman-McClure scale in standard deviations of an edge: far beyond it an edge counts for nothing.
+  double kernel_sigmas = 5.0;
+  // Standard deviations are not taken to be smaller than these: registrations are surer of themselves than they ought.
+  double least_sigma_rad = 1e-4;
+  double least_sigma_m = 2e-3;
+  int max_iterations = 50;
+  bool with_covariances = true;
+  int num_threads = 0;  // 0: one per processor
+};
+
+struct PoseGraphResult {
+  std::vector<RigidTransform> T_graph_node;  // node 0 of each connected component stays where it was
+  // Of (rotation, translation), left perturbation, graph frame, relative to the component's first node; empty unless
+  // asked for.
+  std::vector<Matrix6d> covariances;
+  std::vector<double> edge_weights;  // in [0, 1]: 1 fully believed, about 0 given up
+  int iterations = 0;
+  bool converged = false;
+};
+
+// Graduated non-convexity: starts with all edges believed and sharpens the kernel step by step, so that the start need
+// not be near [H. Yang, P. Antonante, V. Tzoumas, L. Carlone, "Graduated Non-Convexity for Robust Spatial Perception",
+// IEEE RA-L 5(2), 2020]. The first node of each connected component is held. INVALID_ARGUMENT: an edge names no node or
+// one node twice, is not rigid, or its covariance is not positive definite; CANCELLED; out of time: DEADLINE_EXCEEDED.
+absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph, const PoseGraphOptions& options = {},
+                                                  const Stop& stop = {});
+
+}  // namespace curvereg
+
+#endif  // CURVEREG_CORE_MAPPING_POSE_GRAPH_H_

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// START HERE: where the rover is, scan by scan. TrackScan answers quickly, FindLinks looks around afterwards,
+// FindLoopClosures finds places that the path came back to, and ReviseTraverse makes all of it one trajectory. Each is
+// a function of the traverse so far; the Append and Apply functions change it.
+#ifndef CURVEREG_CORE_MAPPING_TRACKING_H_
+#define CURVEREG_CORE_MAPPING_TRACKING_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/mapping/pose_graph.h"
+#include "core/mapping/trajectory.h"
+#include "core/prepared_scan.h"
+#include "core/registration_options.h"
+#include "core/stop.h"
+
+namespace curvereg {
+
+// Kept scans of the traverse by sequence number, prepared; from a cache or prepared anew.
+using TraverseScanLoader =
+    std::function<absl::StatusOr<std::shared_ptr<const PreparedScan>>(uint64_t sequence_number, const Stop& stop)>;
+
+// A scan as it comes; its sequence number is the number of poses so far.
+struct TraverseScan {
+  std::shared_ptr<const PreparedScan> scan;
+  std::optional<int64_t> time_ns;
+  std::optional<Prior> prior;  // motion since the scan before: T_target_source with the scan before as target
+};
+
+struct TrackingOptions {
+  RegistrationOptions registration;  // its prior is replaced by what the traverse knows
+  int num_tracking_neighbours = 2;   // kept scans tried beside the predecessor before a link is given up
+  int num_neighbours = 3;            // links looked for by FindLinks
+  double max_neighbour_distance_m = 20.0;
+  double loop_distance_m = 10.0;  // scans nearer than this, beyond what the poses' covariance allows
+  int min_loop_gap = 10;          // sequence numbers between the ends of a loop closure
+  int max_loop_candidates = 20;   // tried by one FindLoopClosures
+  PoseGraphOptions pose_graph;
+};
+
+// What became of a scan. A rejected link is never bridged silently: then the pose is carried by the prior (kPrior), or
+// a new segment begins (kSegmentStart).
+struct TrackedScan {
+  TrajectoryPose pose;
+  std::vector<TraverseLink> links;  // tried, in order
+  int deciding_link = -1;           // index in `links` of the one that gave the pose; -1: none did
+};
+
+// Registers the scan against its predecessor, and where that is rejected against the nearest kept scans. Errors: those
+// of registrations that could not be done (CANCELLED, unusable scan) and of `load`.
+absl::StatusOr<TrackedScan> TrackScan(const Traverse& traverse, const TraverseScan& scan,
+                                      const TraverseScanLoader& load, const TrackingOptions& options,
+                                      const Stop& stop = {});
+void AppendScan(Traverse& traverse, const TrackedScan& tracked, const std::optional<Prior>& prior);
+
+// Further links of a tracked scan: with the nearest kept scans (by position and overlap), and, for a scan of another
+// segment than its predecessor's, with places of the older segments that look alike (elevation descriptors). Only pairs
+// that have no link yet.
+absl::StatusOr<std::vector<TraverseLink>> FindLinks(const Traverse& traverse, uint64_t sequence_number,
+                                                    const TraverseScanLoader& load, const TrackingOptions& options,
+                                                    const Stop& stop = {});
+
+// Links between scans far apart in sequence but near in place, and between segments, over the whole traverse.
+absl::StatusOr<std::vector<TraverseLink>> FindLoopClosures(const Traverse& traverse, const TraverseScanLoader& load,
+                                                           const TrackingOptions& options, const Stop& stop = {});
+
+struct SegmentJoin {
+  int segment = 0;         // remains
+  int joined_segment = 0;  // ended; its poses move over
+  RigidTransform T_segment_joined = RigidTransform::Identity();
+};
+
+// The trajectory that agrees best with all accepted links and priors (OptimizePoseGraph).
+struct TraverseRevision {
+  std::vector<SegmentJoin> joins;         // segments that accepted links connect
+  std::vector<TrajectoryPose> poses;      // those that changed, by sequence number
+  int num_links = 0;                      // used
+  int num_rejected_links = 0;             // accepted by registration, given up here
+  double max_translation_change_m = 0.0;  // of poses that stayed in their segment
+};
+absl::StatusOr<TraverseRevision> ReviseTraverse(const Traverse& traverse, const TrackingOptions& options,
+                                                const Stop& stop = {});
+// Makes the revised poses the traverse's own and counts its version up when any changed.
+void ApplyRevision(Traverse& traverse, const TraverseRevision& revision);
+
+}  // namespace curvereg
+
+#endif  // CURVEREG_CORE_MAPPING_TRACKING_H_
