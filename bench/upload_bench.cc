@@ -5,6 +5,7 @@
 // looks at nothing and keeps nothing, in turn, over loopback.
 #include <grpcpp/create_channel.h>
 #include <grpcpp/server_builder.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +14,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/service_fixture.h"
@@ -24,6 +26,10 @@ namespace {
 constexpr uint32_t kChunkBytes = 1 << 20;
 constexpr std::size_t kNumPoints = 20'000'000;  // 240 MB
 constexpr int kRounds = 9;
+
+using Clock = std::chrono::steady_clock;
+
+double Seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 // Reads a stream to its end and answers once.
 class Sink final : public v1::ScanService::CallbackService {
@@ -49,9 +55,27 @@ class Sink final : public v1::ScanService::CallbackService {
   }
 };
 
-// Bytes a second of `payload` in chunks to the sink.
-double BareThroughput(v1::ScanService::Stub& stub, const std::string& payload) {
-  const auto start = std::chrono::steady_clock::now();
+// Of all threads so far.
+double ProcessorSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// What it took to send the payload.
+struct Cost {
+  double transfer = 0.0;   // [s] until all bytes were acknowledged
+  double whole = 0.0;      // [s] until the scan was stored; of a bare stream the same
+  double processor = 0.0;  // [s] of both ends, until then
+};
+
+// `payload` in chunks to the sink.
+Cost SendBare(v1::ScanService::Stub& stub, const std::string& payload) {
+  const double processor_before = ProcessorSeconds();
+  const auto start = Clock::now();
   grpc::ClientContext context;
   const auto stream = stub.UploadScan(&context);
   v1::UploadScanRequest request;
@@ -66,36 +90,52 @@ double BareThroughput(v1::ScanService::Stub& stub, const std::string& payload) {
   while (stream->Read(&response)) {
   }
   if (!stream->Finish().ok()) std::exit(1);
-  return static_cast<double>(payload.size()) /
-         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = Seconds(Clock::now() - start);
+  return {seconds, seconds, ProcessorSeconds() - processor_before};
 }
 
-// Bytes a second.
-struct Rates {
-  double transfer = 0.0;  // until all bytes were acknowledged
-  double whole = 0.0;     // until the scan was stored
-};
-
-Rates UploadRates(Client& client, const Scan& scan) {
-  using Clock = std::chrono::steady_clock;
-  const auto seconds = [](Clock::duration duration) { return std::chrono::duration<double>(duration).count(); };
-  Clock::time_point start, acknowledged;
+Cost Upload(Client& client, const Scan& scan) {
+  Clock::time_point acknowledged;
   TransferOptions options;
   options.encoding.kind = TransferEncoding::Kind::kRaw;
   options.chunk_bytes = kChunkBytes;
   options.progress = [&](const TransferProgress& progress) {
     if (progress.bytes_done == progress.bytes_total && acknowledged == Clock::time_point()) acknowledged = Clock::now();
   };
-  start = Clock::now();
+  const double processor_before = ProcessorSeconds();
+  const auto start = Clock::now();
   const auto outcome = client.UploadScan(scan, options);
-  const double whole_seconds = seconds(Clock::now() - start);
+  const Cost cost = {Seconds(acknowledged - start), Seconds(Clock::now() - start),
+                     ProcessorSeconds() - processor_before};
   if (!outcome.ok() || outcome->already_stored) {
     std::fprintf(stderr, "%s\n", outcome.status().ToString().c_str());
     std::exit(1);
   }
   static_cast<void>(client.DeleteScan(outcome->scan.name));
-  const auto bytes = static_cast<double>(outcome->scan.payload_bytes);
-  return {bytes / seconds(acknowledged - start), bytes / whole_seconds};
+  return cost;
+}
+
+// Of `of` for each round.
+template <typename Of>
+double Median(const std::vector<std::pair<Cost, Cost>>& rounds, const Of& of) {
+  std::vector<double> values;
+  for (const auto& [bare, upload] : rounds) values.push_back(of(bare, upload));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+void Print(const std::vector<std::pair<Cost, Cost>>& rounds, std::size_t num_bytes) {
+  const auto megabytes = static_cast<double>(num_bytes) * 1e-6;
+  const auto median = [&](const auto& of) { return Median(rounds, of); };
+  std::printf(
+      "%.0f MB in chunks of %u: bare stream %.0f MB/s (%.0f ms of processor time), upload %.0f MB/s (%.0f ms); median "
+      "of ratios %.2f until all bytes are acknowledged (at least 0.8), %.2f until the scan is on the disk\n",
+      megabytes, kChunkBytes, median([&](const Cost& bare, const Cost&) { return megabytes / bare.transfer; }),
+      median([](const Cost& bare, const Cost&) { return 1e3 * bare.processor; }),
+      median([&](const Cost&, const Cost& upload) { return megabytes / upload.transfer; }),
+      median([](const Cost&, const Cost& upload) { return 1e3 * upload.processor; }),
+      median([](const Cost& bare, const Cost& upload) { return bare.transfer / upload.transfer; }),
+      median([](const Cost& bare, const Cost& upload) { return bare.whole / upload.whole; }));
 }
 
 int Main() {
@@ -121,25 +161,14 @@ int Main() {
   const bench::LoopbackService service(limits);
   const std::unique_ptr<Client> client = service.Connect();
 
-  std::vector<double> bare_rates, transfer_rates, transfer_ratios, whole_ratios;
-  for (int round = -1; round < kRounds; ++round) {
-    const double bare_rate = BareThroughput(stub, payload);
-    const Rates upload = UploadRates(*client, scan);
-    if (round < 0) continue;
-    bare_rates.push_back(bare_rate);
-    transfer_rates.push_back(upload.transfer);
-    transfer_ratios.push_back(upload.transfer / bare_rate);
-    whole_ratios.push_back(upload.whole / bare_rate);
+  SendBare(stub, payload);
+  Upload(*client, scan);
+  std::vector<std::pair<Cost, Cost>> rounds;
+  for (int round = 0; round < kRounds; ++round) {
+    const Cost of_bare = SendBare(stub, payload);
+    rounds.emplace_back(of_bare, Upload(*client, scan));
   }
-  const auto median = [](std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  };
-  std::printf(
-      "%zu bytes in chunks of %u: bare stream %.0f MB/s, upload %.0f MB/s; median of ratios %.2f until all bytes "
-      "are acknowledged (at least 0.8), %.2f until the scan is on the disk\n",
-      payload.size(), kChunkBytes, median(bare_rates) * 1e-6, median(transfer_rates) * 1e-6, median(transfer_ratios),
-      median(whole_ratios));
+  Print(rounds, payload.size());
   return 0;
 }
 

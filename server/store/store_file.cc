@@ -113,6 +113,10 @@ absl::Status StoreFile::Allocate(uint64_t size) {
   return error_number == 0 ? absl::OkStatus() : FileError(path_, "cannot take space", error_number);
 }
 
+void StoreFile::Preallocate(uint64_t offset, uint64_t size) {
+  static_cast<void>(fallocate(fd_, FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset), static_cast<off_t>(size)));
+}
+
 void StoreFile::StartWriteback(uint64_t offset, uint64_t size) {
   // Only advice: SyncData reports what goes wrong.
   static_cast<void>(sync_file_range(fd_, static_cast<off_t>(offset), static_cast<off_t>(size), SYNC_FILE_RANGE_WRITE));

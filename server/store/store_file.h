@@ -41,6 +41,9 @@ class StoreFile {
   absl::Status Truncate(uint64_t size);
   // Makes it this long and takes the space on disk for it.
   absl::Status Allocate(uint64_t size);
+  // Takes space on disk for bytes that are to come, at once rather than page by page, and leaves the length as it is.
+  // Only to be quicker: what does not fit, or a file system that cannot do so, shows when the bytes are written.
+  void Preallocate(uint64_t offset, uint64_t size);
   // Asks the kernel to begin writing these bytes to disk, so that SyncData has less to wait for.
   void StartWriteback(uint64_t offset, uint64_t size);
   absl::Status SyncData();

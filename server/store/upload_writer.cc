@@ -20,6 +20,10 @@ namespace {
 // Bytes go on their way to the disk in pieces of this size while more come in: at the end of a large upload less is
 // left to wait for, and with smaller pieces Append itself would wait.
 constexpr uint64_t kWritebackBytes = uint64_t{4} << 20;
+// Space for a large upload is taken ahead in pieces between these, each as long as what is there: writing into it costs
+// half the time, and a sender that stops leaves no more unused than it sent.
+constexpr uint64_t kLeastAheadBytes = uint64_t{1} << 20;
+constexpr uint64_t kMostAheadBytes = uint64_t{64} << 20;
 constexpr uint64_t kReadBytes = uint64_t{1} << 20;
 
 class UploadWriterImpl final : public UploadWriter {
@@ -40,6 +44,7 @@ class UploadWriterImpl final : public UploadWriter {
     if (absl::Status status = CheckGrant(); !status.ok()) return status;
     if (offset != upload_.committed_offset) return OutOfRange("the bytes do not begin at the committed offset");
     if (size > upload_.description.payload_bytes - offset) return OutOfRange("more bytes than were declared");
+    TakeSpace(offset + size);
     if (absl::Status status = grant_.file.WriteAt(offset, pieces); !status.ok()) {
       // What stays behind when even this fails is right as far as it goes.
       static_cast<void>(grant_.file.Truncate(offset));
@@ -106,6 +111,15 @@ class UploadWriterImpl final : public UploadWriter {
                            {{"committed_offset", absl::StrCat(upload_.committed_offset)}});
   }
 
+  // For the bytes before `end` and some after it.
+  void TakeSpace(uint64_t end) {
+    if (end <= std::max(space_end_, kLeastAheadBytes)) return;
+    const uint64_t begin = std::max(space_end_, upload_.committed_offset);
+    const uint64_t ahead = std::clamp(end, kLeastAheadBytes, kMostAheadBytes);
+    space_end_ = std::min(end + ahead, upload_.description.payload_bytes);
+    grant_.file.Preallocate(begin, space_end_ - begin);
+  }
+
   absl::StatusOr<std::string> Read(uint64_t offset, uint64_t size) const {
     absl::StatusOr<std::string> bytes = grant_.file.ReadAt(offset, size);
     if (bytes.ok() && bytes->size() != size) {
@@ -140,6 +154,7 @@ class UploadWriterImpl final : public UploadWriter {
   UploadTable::Grant grant_;
   uint64_t committed_offset_;
   uint64_t writeback_offset_;
+  uint64_t space_end_ = 0;  // space is taken up to here
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 // Unfinished uploads: resuming, fencing, refusals, expiry.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <atomic>
 #include <thread>
@@ -70,6 +71,17 @@ TEST_F(UploadWriterTest, ResumesAfterReopening) {
   Reopen();
   EXPECT_EQ(store_->ReadWholePayload(committed->scan.id).value(), payload_);
   EXPECT_EQ(store_->Statistics().num_uploads, 0U);
+}
+
+TEST_F(UploadWriterTest, TakesNoMoreSpaceThanThePayloadNeeds) {
+  const std::unique_ptr<UploadWriter> writer = Begin(description_);
+  struct stat info {};
+  for (std::size_t offset = 0; offset < bytes_.size(); offset += 500'000) {
+    ASSERT_THAT(writer->Append(offset, bytes_.substr(offset, 500'000)), IsOk());
+    ASSERT_EQ(stat((folder_.path() + "/uploads/upload-1").c_str(), &info), 0);
+    EXPECT_EQ(info.st_size, static_cast<off_t>(offset) + 500'000) << "the length tells what is committed";
+    EXPECT_LE(info.st_blocks * 512, 2'500'000 + 64 * 1024);
+  }
 }
 
 TEST_F(UploadWriterTest, ASecondWriterFencesTheFirstOff) {
