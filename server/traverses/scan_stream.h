@@ -48,6 +48,7 @@ class ScanStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
 
   // The task: handles taken_ and, when asked to, reads on in the results.
   absl::Status Work();
+  absl::Status Handle();
   void OnWorked(const absl::Status& status);
   void OnReplaced();
   void OnWake();
@@ -56,8 +57,9 @@ class ScanStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   void End(const absl::Status& status);        // the first reason counts
   void Interrupt(const absl::Status& status);  // End, and nothing more is written
   void EndIfIdle();
-  bool TakeWork();  // what there is to do for one task; false: nothing
-  void Write();     // the next answer or result, if there is any
+  void TakeArrived();  // as in UploadStream
+  bool TakeWork();     // what there is to do for one task; false: nothing
+  void Write();        // the next answer or result, if there is any
   void Advance(std::unique_lock<std::mutex> lock);
 
   const Environment& environment_;
@@ -65,12 +67,11 @@ class ScanStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   Call call_;
 
   std::mutex mutex_;
-  bool reading_ = false;   // into received_ and arriving_
-  bool working_ = false;   // a task is out; taken_, wants_results_, worked_, found_ and session_ are its own
-  bool writing_ = false;   // written_
-  bool finished_ = false;  // Finish was called, or is about to be
-  bool half_closed_ = false;
-  bool results_due_ = false;               // there may be results that we have not got
+  bool reading_ = false;      // into received_ and arriving_
+  bool working_ = false;      // a task is out; taken_, wants_results_, worked_, found_ and session_ are its own
+  bool writing_ = false;      // written_
+  bool finished_ = false;     // Finish was called, or is about to be
+  bool results_due_ = false;  // there may be results that we have not got
   std::optional<absl::Status> input_end_;  // no more is read; OK: the client is done
   std::optional<absl::Status> end_;        // nothing new is begun
   grpc::ByteBuffer received_;

@@ -68,12 +68,12 @@ class ScanStreamSession {
   Answer BeginUpload();
   Answer Append(v1::PayloadChunk& chunk);
   Answer Finish();
-  Answer Complete(const std::string& scan_id);
-  absl::StatusOr<v1::UploadScanResponse> Upload(const v1::UploadScanRequest& request);
+  Answer AddToTraverse(const std::string& scan_name);
   absl::StatusOr<v1::UploadScanResponse> StartUpload();
+  absl::StatusOr<v1::UploadScanResponse> Upload(const v1::UploadScanRequest& request);
   absl::Status ForgetPartialUpload();
-  absl::Status CheckHeader(const v1::StreamedScanHeader& header) const;
   absl::Status CheckChunk(const v1::PayloadChunk& chunk) const;
+  v1::StreamScansResponse Complete(const std::string& scan_id);
   v1::StreamScansResponse Ack() const;
 
   const Environment& environment_;
