@@ -40,7 +40,8 @@ struct TrackingOptions {
   double max_neighbour_distance_m = 20.0;
   double loop_distance_m = 10.0;  // scans nearer than this, beyond what the poses' covariance allows
   int min_loop_gap = 10;          // sequence numbers between the ends of a loop closure
-  int max_loop_candidates = 20;   // tried by one FindLoopClosures
+  int max_loop_candidates = 20;   // tried by one FindLoopClosures, and by one FindLinks in older segments
+  int max_places_compared = 40;   // scans looked at for a likely place where the position is unknown
   PoseGraphOptions pose_graph;
 };
 

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "core/mapping/tracking.h"
 
 namespace curvereg {
@@ -8,6 +10,7 @@ void AppendScan(Traverse& traverse, const TrackedScan& tracked, const std::optio
   traverse.poses.push_back(tracked.pose);
   traverse.priors.push_back(prior);
   traverse.links.insert(traverse.links.end(), tracked.links.begin(), tracked.links.end());
+  traverse.num_segments = std::max(traverse.num_segments, tracked.pose.segment + 1);
 }
 
 void ApplyRevision(Traverse& traverse, const TraverseRevision& revision) {

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/place_recognition.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/mapping/link_registration.h"
+#include "core/pose_hypotheses.h"
+
+namespace curvereg {
+
+absl::StatusOr<ViewFeatures> PlaceFeatures(const PreparedScan& scan, const Stop& stop) {
+  const absl::StatusOr<const ViewFeatures*> view = scan.View(BirdsEyeView::kElevation, 0, stop);
+  if (!view.ok()) return view.status();
+  ViewFeatures place;
+  place.R_level_sensor = (*view)->R_level_sensor;
+  place.features = (*view)->features;
+  place.planar = (*view)->planar;
+  place.heights_m = (*view)->heights_m;
+  return place;
+}
+
+int PlaceLikeness(const ViewFeatures& a, const ViewFeatures& b) {
+  ConsensusOptions options;
+  options.max_hypotheses = 1;
+  const HypothesesFromViews found = FindPoseHypotheses(a, b, options);
+  return found.hypotheses.empty() ? 0 : found.hypotheses.front().num_inliers;
+}
+
+absl::StatusOr<std::vector<AlikePlace>> RankPlaces(const ViewFeatures& place,
+                                                   std::span<const uint64_t> sequence_numbers,
+                                                   const TraverseScanLoader& load, const Stop& stop) {
+  std::vector<AlikePlace> places;
+  for (const uint64_t number : sequence_numbers) {
+    if (absl::Status status = StopStatus(stop); !status.ok()) return status;
+    const absl::StatusOr<std::shared_ptr<const PreparedScan>> scan = load(number, stop);
+    if (absl::IsNotFound(scan.status())) continue;
+    if (!scan.ok()) return scan.status();
+    const absl::StatusOr<const ViewFeatures*> view = (*scan)->View(BirdsEyeView::kElevation, 0, stop);
+    if (!view.ok()) return view.status();
+    places.push_back({number, PlaceLikeness(place, **view)});
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const AlikePlace& a, const AlikePlace& b) { return a.likeness > b.likeness; });
+  return places;
+}
+
+std::vector<uint64_t> PlacesOfOlderSegments(const Traverse& traverse, uint64_t sequence_number, int most) {
+  const int segment = traverse.poses[sequence_number].segment;
+  std::vector<uint64_t> older;
+  std::map<int, uint64_t> last_of_segment;
+  for (const TrajectoryPose& pose : traverse.poses) {
+    if (pose.segment >= segment) continue;
+    older.push_back(pose.sequence_number);
+    last_of_segment[pose.segment] = pose.sequence_number;
+  }
+  const auto limit = static_cast<size_t>(std::max(0, most));
+  std::set<uint64_t> chosen;
+  for (auto last = last_of_segment.rbegin(); last != last_of_segment.rend() && chosen.size() < limit; ++last) {
+    chosen.insert(last->second);
+  }
+  const size_t stride = std::max<size_t>(1, older.size() / std::max<size_t>(1, limit));
+  for (size_t i = sequence_number % stride; i < older.size() && chosen.size() < limit; i += stride) {
+    chosen.insert(older[i]);
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+}  // namespace curvereg

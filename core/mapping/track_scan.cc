@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <utility>
+
+#include "core/mapping/link_registration.h"
+#include "core/mapping/pose_uncertainty.h"
+#include "core/mapping/tracking.h"
+
+namespace curvereg {
+namespace {
+
+class ScanTracker {
+ public:
+  ScanTracker(const Traverse& traverse, const TraverseScan& scan, const TraverseScanLoader& load,
+              const TrackingOptions& options, const Stop& stop)
+      : traverse_(traverse), scan_(scan), load_(load), options_(options), stop_(stop) {}
+
+  absl::StatusOr<TrackedScan> Run() {
+    tracked_.pose.sequence_number = traverse_.poses.size();
+    tracked_.pose.time_ns = scan_.time_ns;
+    if (traverse_.poses.empty()) return Started();
+    const absl::StatusOr<bool> is_linked = TryLink(Predecessor(), Motion());
+    if (!is_linked.ok()) return is_linked.status();
+    if (*is_linked) return std::move(tracked_);
+    for (const uint64_t target : TargetsBesidePredecessor()) {
+      const TrajectoryPose& pose = traverse_.poses[target];
+      const absl::StatusOr<bool> is_neighbour_linked = TryLink(pose, MotionSince(pose));
+      if (!is_neighbour_linked.ok()) return is_neighbour_linked.status();
+      if (*is_neighbour_linked) return std::move(tracked_);
+    }
+    if (HasOdometry()) return Carried();
+    return Started();
+  }
+
+ private:
+  const TrajectoryPose& Predecessor() const { return traverse_.poses.back(); }
+  bool HasOdometry() const { return scan_.prior.has_value() && scan_.prior->covariance.has_value(); }
+
+  // Motion since the predecessor: as told, else as before, which is a guess and no more.
+  std::optional<Prior> Motion() const {
+    if (scan_.prior.has_value() || traverse_.poses.size() < 2) return scan_.prior;
+    const TrajectoryPose& before = traverse_.poses[traverse_.poses.size() - 2];
+    if (before.segment != Predecessor().segment) return std::nullopt;
+    return Prior{before.T_segment_scan.inverse() * Predecessor().T_segment_scan, std::nullopt};
+  }
+
+  std::optional<Prior> MotionSince(const TrajectoryPose& target) const {
+    const std::optional<Prior> motion = Motion();
+    if (!motion.has_value() || target.segment != Predecessor().segment) return std::nullopt;
+    return Chained(RelativePose(target, Predecessor()), *motion);
+  }
+
+  // The kept scans nearest to where the scan probably is. A segment that has only just begun gives too few; then also
+  // the last scans before it, so that one unusable scan does not cut the traverse in two.
+  std::vector<uint64_t> TargetsBesidePredecessor() const {
+    const std::optional<Prior> motion = Motion();
+    const RigidTransform T_segment_scan =
+        Predecessor().T_segment_scan * (motion.has_value() ? motion->T_target_source : RigidTransform::Identity());
+    std::vector<std::pair<double, uint64_t>> by_distance;
+    for (const TrajectoryPose& pose : traverse_.poses) {
+      if (pose.segment != Predecessor().segment || pose.sequence_number == Predecessor().sequence_number) continue;
+      const double distance_m = (pose.T_segment_scan.translation() - T_segment_scan.translation()).norm();
+      if (distance_m <= options_.max_neighbour_distance_m) by_distance.emplace_back(distance_m, pose.sequence_number);
+    }
+    std::sort(by_distance.begin(), by_distance.end());
+    const auto most = static_cast<size_t>(std::max(0, options_.num_tracking_neighbours));
+    std::vector<uint64_t> targets;
+    for (const auto& [distance_m, number] : by_distance) {
+      if (targets.size() < most) targets.push_back(number);
+    }
+    for (uint64_t number = Predecessor().sequence_number; number-- > 0 && targets.size() < most;) {
+      if (traverse_.poses[number].segment != Predecessor().segment) targets.push_back(number);
+    }
+    return targets;
+  }
+
+  // True when the link was accepted and gave the pose.
+  absl::StatusOr<bool> TryLink(const TrajectoryPose& target, const std::optional<Prior>& prior) {
+    const LinkRequest request{tracked_.pose.sequence_number, target.sequence_number, LinkKind::kTracking, prior};
+    absl::StatusOr<TraverseLink> link = RegisterLink(*scan_.scan, request, load_, options_.registration, stop_);
+    if (absl::IsNotFound(link.status())) return false;  // not kept
+    if (!link.ok()) return link.status();
+    const RegistrationResult& result = link->result;
+    const bool is_accepted = result.verdict.accepted;
+    if (is_accepted) {
+      Place(target, {result.T_target_source, LinkCovariance(result, options_.pose_graph)}, PoseOrigin::kRegistered);
+      tracked_.deciding_link = static_cast<int>(tracked_.links.size());
+    }
+    tracked_.links.push_back(*std::move(link));
+    return is_accepted;
+  }
+
+  void Place(const TrajectoryPose& target, const Prior& T_target_scan, PoseOrigin origin) {
+    const Prior T_segment_scan = Chained({target.T_segment_scan, target.covariance}, T_target_scan);
+    tracked_.pose.segment = target.segment;
+    tracked_.pose.T_segment_scan = Orthonormalised(T_segment_scan.T_target_source);
+    tracked_.pose.covariance = T_segment_scan.covariance;
+    tracked_.pose.origin = origin;
+  }
+
+  TrackedScan Carried() {
+    Place(Predecessor(), *scan_.prior, PoseOrigin::kPrior);
+    return std::move(tracked_);
+  }
+
+  TrackedScan Started() {
+    int segment = traverse_.num_segments;
+    for (const TrajectoryPose& pose : traverse_.poses) segment = std::max(segment, pose.segment + 1);
+    tracked_.pose.segment = segment;
+    tracked_.pose.covariance = Matrix6d::Zero();
+    tracked_.pose.origin = PoseOrigin::kSegmentStart;
+    return std::move(tracked_);
+  }
+
+  const Traverse& traverse_;
+  const TraverseScan& scan_;
+  const TraverseScanLoader& load_;
+  const TrackingOptions& options_;
+  const Stop& stop_;
+  TrackedScan tracked_;
+};
+
+}  // namespace
+
+absl::StatusOr<TrackedScan> TrackScan(const Traverse& traverse, const TraverseScan& scan,
+                                      const TraverseScanLoader& load, const TrackingOptions& options,
+                                      const Stop& stop) {
+  if (scan.scan == nullptr) return absl::InvalidArgumentError("a traverse needs scans");
+  return ScanTracker(traverse, scan, load, options, stop).Run();
+}
+
+}  // namespace curvereg
