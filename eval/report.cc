@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -17,6 +15,7 @@
 #include "eval/merged_map.h"
 #include "eval/report_html.h"
 #include "eval/report_json.h"
+#include "eval/report_pictures.h"
 #include "eval/scan_placement.h"
 
 namespace curvereg {
@@ -126,19 +125,6 @@ absl::Status WriteData(const Evaluation& evaluation, const Dataset& dataset, con
   return status;
 }
 
-std::string TitleOf(const std::string& figure) {
-  if (figure.starts_with("figure_1_")) return "Error distributions";
-  if (figure.starts_with("figure_2_")) return "Run time";
-  if (figure.starts_with("figure_3_")) return "Trajectory";
-  return "Merged map, coloured by height";
-}
-
-std::string FileBytes(const std::string& path) {
-  std::ostringstream bytes;
-  bytes << std::ifstream(path, std::ios::binary).rdbuf();
-  return bytes.str();
-}
-
 }  // namespace
 
 absl::StatusOr<std::string> WriteReport(const Evaluation& evaluation, const Dataset& dataset, const std::string& folder,
@@ -146,17 +132,11 @@ absl::StatusOr<std::string> WriteReport(const Evaluation& evaluation, const Data
   const absl::Status written = WriteData(evaluation, dataset, folder, options);
   if (!written.ok()) return written;
 
-  const absl::StatusOr<std::vector<std::string>> figures = DrawFigures(folder, options.figures);
-  const std::string warning = figures.ok() ? "" : std::string(figures.status().message());
-  std::vector<ReportPicture> pictures;
-  if (figures.ok()) {
-    for (const std::string& name : *figures) {
-      pictures.push_back({.title = TitleOf(name), .png = FileBytes(folder + "/" + name)});
-    }
-  }
-  const absl::Status status = WriteFileAtomically(folder + "/report.html", ReportHtml(evaluation, pictures, warning));
+  const DrawnPictures drawn = DrawReportPictures(folder, options.figures);
+  const absl::Status status =
+      WriteFileAtomically(folder + "/report.html", ReportHtml(evaluation, drawn.pictures, drawn.warning));
   if (!status.ok()) return status;
-  return warning;
+  return drawn.warning;
 }
 
 }  // namespace curvereg

@@ -28,10 +28,6 @@ img { max-width: 100%; }
 </style></head><body>
 )";
 
-std::string Escaped(const std::string& text) {
-  return absl::StrReplaceAll(text, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
-}
-
 // "–" where there is no number.
 std::string Number(double value) { return std::isfinite(value) ? absl::StrFormat("%.4g", value) : "–"; }
 
@@ -116,17 +112,29 @@ std::string PairsSections(const Evaluation& evaluation) {
 
 }  // namespace
 
-std::string ReportHtml(const Evaluation& evaluation, const std::vector<ReportPicture>& pictures,
-                       const std::string& note) {
-  std::string html = absl::StrCat(kHead, "<h1>Evaluation of ", Escaped(evaluation.dataset), "</h1>\n");
-  absl::StrAppend(&html, "<p>A pair is ok when its error is below 0.5 m and 0.1 rad. RMSE and medians leave out pairs ",
-                  "without a pose; these count as failures.</p>\n", SummaryTable(evaluation));
-  if (!note.empty()) absl::StrAppend(&html, "<p class=\"note\">", Escaped(note), "</p>\n");
-  for (const ReportPicture& picture : pictures) {
+std::string Escaped(const std::string& text) {
+  return absl::StrReplaceAll(text, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
+}
+
+std::string HtmlPage(const HtmlPageContent& content) {
+  std::string html = absl::StrCat(kHead, "<h1>", Escaped(content.title), "</h1>\n", content.summary);
+  if (!content.note.empty()) absl::StrAppend(&html, "<p class=\"note\">", Escaped(content.note), "</p>\n");
+  for (const ReportPicture& picture : content.pictures) {
     absl::StrAppend(&html, "<h2>", Escaped(picture.title), "</h2>\n<img alt=\"", Escaped(picture.title),
                     "\" src=\"data:image/png;base64,", absl::Base64Escape(picture.png), "\">\n");
   }
-  return absl::StrCat(html, PairsSections(evaluation), "</body></html>\n");
+  return absl::StrCat(html, content.details, "</body></html>\n");
+}
+
+std::string ReportHtml(const Evaluation& evaluation, const std::vector<ReportPicture>& pictures,
+                       const std::string& note) {
+  return HtmlPage({.title = "Evaluation of " + evaluation.dataset,
+                   .summary = absl::StrCat(
+                       "<p>A pair is ok when its error is below 0.5 m and 0.1 rad. RMSE and medians ",
+                       "leave out pairs without a pose; these count as failures.</p>\n", SummaryTable(evaluation)),
+                   .note = note,
+                   .pictures = pictures,
+                   .details = PairsSections(evaluation)});
 }
 
 }  // namespace curvereg

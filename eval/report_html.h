@@ -17,6 +17,16 @@ struct ReportPicture {
   std::string png;  // the file's bytes
 };
 
+struct HtmlPageContent {
+  std::string title;    // plain text
+  std::string summary;  // HTML, above the pictures
+  std::string note;     // plain text: why there are no pictures; may be empty
+  std::vector<ReportPicture> pictures;
+  std::string details;  // HTML, below the pictures
+};
+std::string HtmlPage(const HtmlPageContent& content);
+std::string Escaped(const std::string& text);  // for use in HTML
+
 // `note` is shown above the pictures (why there are none); may be empty. Deterministic.
 std::string ReportHtml(const Evaluation& evaluation, const std::vector<ReportPicture>& pictures,
                        const std::string& note);

@@ -6,22 +6,15 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "eval/cell_key.h"
+#include "eval/distribution.h"
 
 namespace curvereg {
 namespace {
 
 constexpr int kMinPoints = 5;  // of one scan in a cell: fewer say little about where it saw the surface
-
-double Quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 }  // namespace
 

@@ -2,32 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "eval/trajectory_metrics.h"
 
-#include <algorithm>
-#include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "core/rigid_fit.h"
+#include "eval/distribution.h"
 
 namespace curvereg {
 namespace {
 
-ErrorStatistics StatisticsOf(std::vector<double> errors) {
+ErrorStatistics StatisticsOf(const std::vector<double>& errors) {
   if (errors.empty()) return {};
-  std::sort(errors.begin(), errors.end());
-  ErrorStatistics statistics;
-  double sum = 0.0;
-  double sum_of_squares = 0.0;
-  for (const double error : errors) {
-    sum += error;
-    sum_of_squares += error * error;
-  }
-  const auto count = static_cast<double>(errors.size());
-  const std::size_t middle = errors.size() / 2;
-  statistics.rmse = std::sqrt(sum_of_squares / count);
-  statistics.mean = sum / count;
-  statistics.median = errors.size() % 2 == 1 ? errors[middle] : (errors[middle - 1] + errors[middle]) / 2.0;
-  statistics.max = errors.back();
-  return statistics;
+  return {.rmse = RootMeanSquare(errors),
+          .mean = std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size()),
+          .median = Quantile(errors, 0.5),
+          .max = Quantile(errors, 1.0)};
 }
 
 RigidTransform FirstPoseAlignment(const PosePair& first) {
@@ -78,8 +67,8 @@ absl::StatusOr<TrajectoryErrors> MeasureTrajectory(std::span<const PosePair> pos
     steps_rad.push_back(error.rotation_rad);
     errors.path_length_m += truth.translation().norm();
   }
-  errors.rpe_m = StatisticsOf(std::move(steps_m));
-  errors.rpe_rad = StatisticsOf(std::move(steps_rad));
+  errors.rpe_m = StatisticsOf(steps_m);
+  errors.rpe_rad = StatisticsOf(steps_rad);
   return errors;
 }
 
