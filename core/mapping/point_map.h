@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ground as a traverse saw it: one point per cell, or heights on a grid, of thousands of scans in bounded memory.
+// The ground as a traverse saw it: one point per cubic cell, of thousands of scans in bounded memory. Any cell size is
+// a level of detail: a coarser map takes less memory and time, and its cells are made of whole cells of one twice as
+// fine.
 #ifndef CURVEREG_CORE_MAPPING_POINT_MAP_H_
 #define CURVEREG_CORE_MAPPING_POINT_MAP_H_
 
@@ -10,7 +12,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -29,35 +30,21 @@ struct MapInput {
 };
 
 struct PointMapOptions {
-  double cell_m = 0.1;                                    // edge of a cubic cell [m], 0.01 to 10
-  double max_range_m = 0.0;                               // points farther from their sensor are left out; 0: none
-  bool remove_seen_through = false;                       // leave out points that other scans' rays passed through
-  std::size_t max_memory_bytes = std::size_t{256} << 20;  // for cells in work, not for the loader's scans
+  double cell_m = 0.1;               // edge of a cubic cell [m], 0.01 to 10
+  double max_range_m = 0.0;          // points farther from their sensor are left out; 0: none
+  bool remove_seen_through = false;  // leave out what other scans' rays passed through
+  std::size_t max_memory_bytes = std::size_t{256}
+                                 << 20;  // for cells in work, not for the loader's scans; 64 KiB or more
 };
 
 // Gives the map's points (mean of each cell's points, map frame [m]) piece by piece, in an order that depends on the
-// input alone. Errors: INVALID_ARGUMENT (options), those of the loader and of `sink`, CANCELLED, DEADLINE_EXCEEDED.
+// input and cell size alone. Points that are not finite, or 2^20 cells (105 km at 0.1 m) and more from the middle of
+// all sensors along an axis, are left out. Scans are asked for one at a time, in order: once where the cells fit into
+// max_memory_bytes (40 bytes each), else again for each part of the map; once more with remove_seen_through.
+// Errors: INVALID_ARGUMENT (options, poses), those of the loader and of `sink`, CANCELLED, DEADLINE_EXCEEDED.
 using PointSink = std::function<absl::Status(std::span<const Eigen::Vector3f> points)>;
 absl::Status BuildPointMap(const MapInput& input, const PointMapOptions& options, const PointSink& sink,
                            const Stop& stop = {});
-
-// Heights over the map frame's x-y plane.
-struct ElevationMap {
-  double cell_m = 0.0;
-  double min_x_m = 0.0;  // west edge of column 0
-  double min_y_m = 0.0;  // south edge of the last row
-  int num_columns = 0;
-  int num_rows = 0;
-  std::vector<float> heights;  // [m], row by row from the north; NaN where nothing was seen
-};
-// RESOURCE_EXHAUSTED: the grid would be larger than max_memory_bytes.
-absl::StatusOr<ElevationMap> BuildElevationMap(const MapInput& input, const PointMapOptions& options,
-                                               const Stop& stop = {});
-
-// The grid in ESRI's ASCII format (ncols, nrows, xllcorner, yllcorner, cellsize, NODATA_value, rows from the north),
-// given piece by piece.
-using TextSink = std::function<absl::Status(std::string_view text)>;
-absl::Status WriteEsriAscii(const ElevationMap& map, const TextSink& sink);
 
 }  // namespace curvereg
 
