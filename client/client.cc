@@ -11,6 +11,7 @@
 #include "client/remote_scan.h"
 #include "client/retry.h"
 #include "client/server_status.h"
+#include "client/traverse_client.h"
 #include "client/upload.h"
 #include "curvereg/v1/registration_service.grpc.pb.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
@@ -54,7 +55,8 @@ RemotePictures PicturesFrom(v1::RenderScanResponse& response) {
 
 class ConnectedClient final : public Client {
  public:
-  explicit ConnectedClient(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+  explicit ConnectedClient(std::unique_ptr<Connection> connection)
+      : connection_(std::move(connection)), traverses_(internal::MakeTraverseClient(*connection_)) {}
 
   absl::StatusOr<RegistrationResult> RegisterScans(const ScanReference& source, const ScanReference& target,
                                                    const RegistrationOptions& options,
@@ -148,8 +150,11 @@ class ConnectedClient final : public Client {
 
   absl::StatusOr<ServerStatus> Status() override { return internal::FetchServerStatus(*connection_); }
 
+  TraverseClient& traverses() override { return *traverses_; }
+
  private:
   const std::unique_ptr<Connection> connection_;
+  const std::unique_ptr<TraverseClient> traverses_;
 };
 
 }  // namespace

@@ -130,6 +130,8 @@ struct ServerStatus {
   std::chrono::microseconds round_trip{0};               // median of a few health checks
 };
 
+class TraverseClient;
+
 class Client {
  public:
   // `target`: HOST:PORT, or any gRPC name (dns:///..., ipv4:..., unix:...). Plain text unless tls.enabled. UNAVAILABLE
@@ -155,6 +157,9 @@ class Client {
   virtual absl::Status DeleteScan(const std::string& name) = 0;
 
   virtual absl::StatusOr<ServerStatus> Status() = 0;
+
+  // The calls about traverses (client/traverses.h), over the same connection. Lives as long as the client.
+  virtual TraverseClient& traverses() = 0;
 };
 
 // The reason of an error that came from a server, e.g. "QUEUE_FULL"; empty when it has none.

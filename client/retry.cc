@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <limits>
 #include <mutex>
 #include <string>
 
@@ -29,6 +30,12 @@ std::optional<milliseconds> PushbackOf(const grpc::ClientContext& context) {
   // A value that is no number means "do not come back" (gRPC's A6).
   const bool is_number = absl::SimpleAtoi(std::string(found->second.data(), found->second.size()), &value);
   return is_number && value >= 0 ? std::min(milliseconds(value), kNeverAgain) : kNeverAgain;
+}
+
+RetryOptions RetriesOf(const Connection& connection, bool without_end) {
+  RetryOptions options = connection.options().retry;
+  if (without_end) options.max_attempts = std::numeric_limits<int>::max();
+  return options;
 }
 
 }  // namespace
@@ -86,7 +93,7 @@ absl::Status SleepFor(milliseconds delay, const Stop& stop) {
 Retrier::Retrier(Connection& connection, const Options& options)
     : connection_(connection),
       options_(options),
-      backoff_(connection.options().retry),
+      backoff_(RetriesOf(connection, options.until_timeout)),
       deadline_(Clock::now() + options.timeout) {}
 
 void Retrier::NoteProgress() {

@@ -58,6 +58,7 @@ class Retrier {
     std::stop_token cancellation;
     std::chrono::milliseconds timeout{0};
     std::function<bool(const absl::Status&)> may_retry = IsRetryable;
+    bool until_timeout = false;  // attempts are not counted, only time
   };
   Retrier(Connection& connection, const Options& options);
 
