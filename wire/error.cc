@@ -67,6 +67,7 @@ absl::StatusCode ReasonCode(v1::ErrorReason reason) {
       return absl::StatusCode::kAborted;
     case v1::ERROR_REASON_UPLOAD_DIFFERS:
     case v1::ERROR_REASON_SEQUENCE_DIFFERS:
+    case v1::ERROR_REASON_SCAN_IN_USE:
       return absl::StatusCode::kFailedPrecondition;
     case v1::ERROR_REASON_SCAN_TOO_LARGE:
     case v1::ERROR_REASON_QUEUE_FULL:
@@ -75,6 +76,7 @@ absl::StatusCode ReasonCode(v1::ErrorReason reason) {
     case v1::ERROR_REASON_TOO_MANY_UPLOADS:
     case v1::ERROR_REASON_STORAGE_FULL:
     case v1::ERROR_REASON_TOO_MANY_TRAVERSES:
+    case v1::ERROR_REASON_TRAVERSE_FULL:
       return absl::StatusCode::kResourceExhausted;
     case v1::ERROR_REASON_NOT_SERVING:
     case v1::ERROR_REASON_STORAGE_FAULT:

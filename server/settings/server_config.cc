@@ -59,6 +59,8 @@ absl::Status CheckLimits(const LimitsConfig& limits) {
       {"limits.max_uploads", Unsigned(limits.max_uploads), 1, kMaxInt},
       {"limits.upload_lifetime_seconds", Unsigned(limits.upload_lifetime_seconds), 1, uint64_t{1} << 32},
       {"limits.max_stored_bytes", limits.max_stored_bytes, 1, kMaxSize},
+      {"limits.max_traverses", Unsigned(limits.max_traverses), 1, kMaxInt},
+      {"limits.max_scans_per_traverse", Unsigned(limits.max_scans_per_traverse), 1, kMaxInt},
       {"limits.max_queue_length", Unsigned(limits.max_queue_length), 1, kMaxInt},
       {"limits.max_queue_per_client", Unsigned(limits.max_queue_per_client), 1, kMaxInt},
       {"limits.max_concurrent_registrations", Unsigned(limits.max_concurrent_registrations), 0, kMaxThreads},

@@ -27,6 +27,8 @@ struct LimitsConfig {
   int max_uploads = 1024;                         // unfinished ones
   int64_t upload_lifetime_seconds = 7 * 24 * 3600;
   uint64_t max_stored_bytes = uint64_t{50} << 30;
+  int max_traverses = 1000;
+  int max_scans_per_traverse = 10'000;
   int max_queue_length = 64;
   int max_queue_per_client = 16;
   int max_concurrent_registrations = 0;  // 0: one per processor

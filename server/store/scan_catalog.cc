@@ -57,19 +57,6 @@ UploadDescription UploadOf(const SqlStatement& row) {
 
 std::string TextOf(const SqlStatement& row) { return row.Bytes(0); }
 
-// All rows of a query.
-template <typename Row>
-absl::StatusOr<std::vector<Row>> Collect(absl::StatusOr<SqlStatement> query, Row (*read)(const SqlStatement&)) {
-  if (!query.ok()) return query.status();
-  std::vector<Row> rows;
-  absl::StatusOr<bool> has_row = query->Step();
-  for (; has_row.ok() && *has_row; has_row = query->Step()) {
-    rows.push_back(read(*query));
-  }
-  if (!has_row.ok()) return has_row.status();
-  return rows;
-}
-
 }  // namespace
 
 ScanCatalog::ScanCatalog(SqliteDatabase writer, SqliteDatabase reader)
@@ -113,7 +100,7 @@ absl::Status ScanCatalog::RemoveScan(const std::string& scan_id) {
 absl::StatusOr<std::optional<StoredScan>> ScanCatalog::FindScan(const std::string& scan_id) {
   const std::lock_guard lock(reader_mutex_);
   absl::StatusOr<std::vector<CatalogedScan>> rows =
-      Collect(reader_.Prepare(ScanQuery("WHERE id=?1"), {scan_id}), ScanOf);
+      CollectRows(reader_.Prepare(ScanQuery("WHERE id=?1"), {scan_id}), ScanOf);
   if (!rows.ok()) return rows.status();
   if (rows->empty()) return std::optional<StoredScan>();
   return std::optional<StoredScan>(std::move(rows->front().scan));
@@ -121,14 +108,14 @@ absl::StatusOr<std::optional<StoredScan>> ScanCatalog::FindScan(const std::strin
 
 absl::StatusOr<std::vector<CatalogedScan>> ScanCatalog::ListScans(int64_t before_sequence, int max_scans) {
   const std::lock_guard lock(reader_mutex_);
-  return Collect(reader_.Prepare(ScanQuery("WHERE sequence<?1 ORDER BY sequence DESC LIMIT ?2"),
-                                 {before_sequence, int64_t{max_scans}}),
-                 ScanOf);
+  return CollectRows(reader_.Prepare(ScanQuery("WHERE sequence<?1 ORDER BY sequence DESC LIMIT ?2"),
+                                     {before_sequence, int64_t{max_scans}}),
+                     ScanOf);
 }
 
 absl::StatusOr<std::vector<std::string>> ScanCatalog::ScansWithPayload(const std::string& digest) {
   const std::lock_guard lock(reader_mutex_);
-  return Collect(reader_.Prepare("SELECT id FROM scans WHERE payload_digest=?1", {SqlBlob{digest}}), TextOf);
+  return CollectRows(reader_.Prepare("SELECT id FROM scans WHERE payload_digest=?1", {SqlBlob{digest}}), TextOf);
 }
 
 absl::Status ScanCatalog::PutUpload(const UploadDescription& upload) {
@@ -147,7 +134,8 @@ absl::Status ScanCatalog::RemoveUpload(const std::string& upload_id) {
 
 absl::StatusOr<std::vector<UploadDescription>> ScanCatalog::Uploads() {
   const std::lock_guard lock(reader_mutex_);
-  return Collect(reader_.Prepare("SELECT id, header, payload_bytes, digest_algorithm, digest FROM uploads"), UploadOf);
+  return CollectRows(reader_.Prepare("SELECT id, header, payload_bytes, digest_algorithm, digest FROM uploads"),
+                     UploadOf);
 }
 
 }  // namespace curvereg::server

@@ -70,6 +70,18 @@ class SqliteDatabase {
   std::unique_ptr<sqlite3, Close> database_;
 };
 
+// All rows of a query, each as `read` makes it of a statement with a row.
+template <typename Read>
+auto CollectRows(absl::StatusOr<SqlStatement> query, const Read& read)
+    -> absl::StatusOr<std::vector<decltype(read(*query))>> {
+  if (!query.ok()) return query.status();
+  std::vector<decltype(read(*query))> rows;
+  absl::StatusOr<bool> has_row = query->Step();
+  for (; has_row.ok() && *has_row; has_row = query->Step()) rows.push_back(read(*query));
+  if (!has_row.ok()) return has_row.status();
+  return rows;
+}
+
 enum class Durability {
   kProcess,  // survives the death of the process; a loss of power may take it back, never half of it
   kPower,    // forced to disk

@@ -44,14 +44,17 @@ class UploadWriterImpl final : public UploadWriter {
     if (absl::Status status = CheckGrant(); !status.ok()) return status;
     if (offset != upload_.committed_offset) return OutOfRange("the bytes do not begin at the committed offset");
     if (size > upload_.description.payload_bytes - offset) return OutOfRange("more bytes than were declared");
+    // First, for then the processor's cache has what is to be written.
+    if (upload_.digested_bytes == offset) {
+      for (const std::string_view piece : pieces) Digest(piece);
+    }
     TakeSpace(offset + size);
     if (absl::Status status = grant_.file.WriteAt(offset, pieces); !status.ok()) {
       // What stays behind when even this fails is right as far as it goes.
       static_cast<void>(grant_.file.Truncate(offset));
+      upload_.digester.reset();
+      upload_.digested_bytes = 0;
       return status;
-    }
-    if (upload_.digested_bytes == offset) {
-      for (const std::string_view piece : pieces) Digest(piece);
     }
     store_.uploads().AddProgress(upload_, size);
     committed_offset_ = upload_.committed_offset;
