@@ -61,9 +61,18 @@ class MapDownload {
     const grpc::Status status = reader->Finish();
     if (options_.cancellation.stop_requested()) return absl::CancelledError("cancelled by the caller");
     if (!taken.ok()) return taken;
-    if (!status.ok()) return CallError(status, context);
+    if (!status.ok()) return StartAnewIfGone(CallError(status, context));
     const bool complete = header_ && payload_.size() == header_->payload_bytes();
     return complete ? absl::OkStatus() : absl::UnavailableError("the server ended the map early");
+  }
+
+  // Scans have come or poses were revised since the first stream: what is here is of a map that is no more.
+  absl::Status StartAnewIfGone(const absl::Status& error) {
+    if (wire::ReasonOf(error) != v1::ERROR_REASON_OFFSET_OUT_OF_RANGE) return error;
+    header_.reset();
+    payload_.clear();
+    request_.clear_version();
+    return error;
   }
 
   absl::Status Take(const v1::DownloadMapResponse& response) {
@@ -77,7 +86,9 @@ class MapDownload {
     if (header_) {
       const bool same = header_->version() == header.version() && header_->payload_bytes() == header.payload_bytes() &&
                         wire::SameDigest(header_->payload_digest(), header.payload_digest());
-      return same ? absl::OkStatus() : absl::AbortedError("the map changed while it was downloaded");
+      if (same) return absl::OkStatus();
+      return StartAnewIfGone(
+          wire::MakeError(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE, "the map changed while it was downloaded"));
     }
     const bool is_whole =
         options_.kind != MapOptions::Kind::kPoints ||

@@ -3,6 +3,7 @@
 #include "client/traverse_pacer.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace curvereg::internal {
 namespace {
@@ -18,13 +19,13 @@ constexpr uint64_t kChunksPerWindow = 4;
 constexpr double kChunkSeconds = 0.04;
 // Links that answer sooner lose too little by a cut to be paced.
 constexpr milliseconds kQuick(50);
-// Mean delay in a queue: below the first nothing waits; above the last the pace is more than the link carries.
-constexpr milliseconds kNoQueue(20);
-constexpr milliseconds kShortQueue(60);
-constexpr milliseconds kLongQueue(120);
-constexpr double kFastGrowth = 1.5;
-constexpr double kGrowth = 1.0 / 8.0;
-constexpr double kSlowGrowth = 1.0 / 32.0;
+// Mean wait in a queue: up to the first nothing waits; above the second the pace is more than the link carries.
+constexpr milliseconds kNoQueue(30);
+constexpr milliseconds kLongQueue(60);
+constexpr double kStartGrowth = 2.0;
+constexpr double kGrowth = 1.125;
+constexpr double kCarefulGrowth = 1.03125;  // near the window that was too large
+constexpr double kNear = 0.15;
 constexpr double kReduction = 0.9;
 // The least delay seen is forgotten after one to two of these: links change.
 constexpr std::chrono::seconds kStretch(60);
@@ -36,23 +37,17 @@ constexpr milliseconds kCatchUp(50);
 TraversePacer::TraversePacer(uint64_t max_chunk_bytes)
     : max_chunk_bytes_(std::max<uint64_t>(max_chunk_bytes, 1)), window_(kFirstWindow) {
   least_delays_.fill(Duration::max());
+  SetWindow(kFirstWindow);
 }
 
 void TraversePacer::Restart() {
   under_way_.clear();
-  sent_ = acknowledged_ = round_end_ = 0;
-  round_delay_ = Duration(0);
-  round_count_ = 0;
-  was_full_ = false;
+  sent_ = acknowledged_ = 0;
   next_send_ = {};
+  SetWindow(window_);
 }
 
-TraversePacer::Duration TraversePacer::BaseDelay() const { return std::min(least_delays_[0], least_delays_[1]); }
-
-bool TraversePacer::IsPaced() const {
-  const Duration base = BaseDelay();
-  return base != Duration::max() && base > kQuick;
-}
+bool TraversePacer::IsPaced() const { return IsKnown() && BaseDelay() > kQuick; }
 
 uint64_t TraversePacer::ChunkBytes() const {
   const uint64_t quarter = Window() / kChunksPerWindow;
@@ -68,8 +63,7 @@ uint64_t TraversePacer::NextChunkBytes(TimePoint now) const {
 
 void TraversePacer::Sent(uint64_t num_bytes, TimePoint now) {
   sent_ += num_bytes;
-  if (under_way_.empty()) round_end_ = sent_;
-  under_way_.push_back({sent_, now, acknowledged_});
+  under_way_.push_back({sent_, now, acknowledged_, !IsKnown()});
   was_full_ = was_full_ || window_is_full();
   if (!IsPaced()) return;
   const std::chrono::duration<double> time =
@@ -83,9 +77,9 @@ void TraversePacer::Acknowledged(uint64_t num_bytes, TimePoint now) {
     const Chunk chunk = under_way_.front();
     under_way_.pop_front();
     NoteDelay(now - chunk.sent_at, now);
-    if (starting_ && now - chunk.sent_at > BaseDelay() + 2 * kLongQueue) LeaveStart(chunk, now);
+    if (!chunk.is_blind) Judge(chunk, now - chunk.sent_at);
   }
-  if (acknowledged_ >= round_end_ && round_count_ > 0) EndRound();
+  if (acknowledged_ >= round_end_ || under_way_.empty()) EndRound();
 }
 
 void TraversePacer::NoteDelay(Duration delay, TimePoint now) {
@@ -95,32 +89,49 @@ void TraversePacer::NoteDelay(Duration delay, TimePoint now) {
     stretch_end_ = now + kStretch;
   }
   least_delays_[0] = std::min(least_delays_[0], delay);
-  round_delay_ += delay;
-  ++round_count_;
 }
 
-// By what arrived while this chunk was under way.
-void TraversePacer::LeaveStart(const Chunk& chunk, TimePoint now) {
-  starting_ = false;
-  const double share = std::chrono::duration<double>(BaseDelay()) / std::chrono::duration<double>(now - chunk.sent_at);
-  const double arrived = static_cast<double>(acknowledged_ - chunk.acknowledged_then) * share;
-  window_ = std::clamp(kReduction * arrived, kLeastWindow, window_);
+void TraversePacer::Judge(const Chunk& chunk, Duration delay) {
+  if (starting_ && IsPaced() && delay > BaseDelay() + 4 * kLongQueue) {
+    // Grown too far. What arrived while this chunk was under way tells what the link carries.
+    starting_ = false;
+    const auto arrived = static_cast<double>(acknowledged_ - chunk.acknowledged_then);
+    const double share = std::chrono::duration<double>(BaseDelay()) / std::chrono::duration<double>(delay);
+    SetWindow(std::min(window_, kReduction * arrived * share));
+  } else if (chunk.end > judged_from_) {
+    round_delay_ += delay;
+    ++round_count_;
+  }
 }
 
 void TraversePacer::EndRound() {
-  const Duration waited = round_delay_ / round_count_ - BaseDelay();
+  const Duration waited = round_count_ > 0 ? round_delay_ / round_count_ - BaseDelay() : Duration(0);
+  double window = window_;
   if (waited > kLongQueue) {
-    window_ *= kReduction;
     starting_ = false;
-  } else if (was_full_ && waited <= kShortQueue) {
-    const double step = waited <= kNoQueue ? kGrowth : kSlowGrowth;
-    window_ *= starting_ ? kFastGrowth : 1.0 + step;
+    top_ = window_;
+    const double share =
+        std::chrono::duration<double>(BaseDelay()) / std::chrono::duration<double>(BaseDelay() + waited);
+    window *= std::min(kReduction, share);
+  } else if (was_full_ && waited <= kNoQueue) {
+    window *= Growth();
   }
-  window_ = std::clamp(window_, kLeastWindow, kGreatestWindow);
+  SetWindow(window);
+}
+
+double TraversePacer::Growth() const {
+  if (starting_) return kStartGrowth;
+  const bool is_near = std::abs(window_ - top_) < kNear * top_;
+  return is_near ? kCarefulGrowth : kGrowth;
+}
+
+void TraversePacer::SetWindow(double window) {
+  window_ = std::clamp(window, kLeastWindow, kGreatestWindow);
+  judged_from_ = sent_;
+  round_end_ = sent_ + Window() / 2;
   round_delay_ = Duration(0);
   round_count_ = 0;
   was_full_ = window_is_full();
-  round_end_ = under_way_.empty() ? sent_ : under_way_.back().end;
 }
 
 }  // namespace curvereg::internal

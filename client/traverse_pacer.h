@@ -10,6 +10,7 @@
 #ifndef CURVEREG_CLIENT_TRAVERSE_PACER_H_
 #define CURVEREG_CLIENT_TRAVERSE_PACER_H_
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -44,17 +45,22 @@ class TraversePacer {
     uint64_t end;
     TimePoint sent_at;
     uint64_t acknowledged_then;
+    bool is_blind;  // sent when nothing was known of the link, so in a burst
   };
   uint64_t ChunkBytes() const;
+  bool IsKnown() const { return BaseDelay() != Duration::max(); }
   bool IsPaced() const;
-  Duration BaseDelay() const;
+  Duration BaseDelay() const { return std::min(least_delays_[0], least_delays_[1]); }
   void NoteDelay(Duration delay, TimePoint now);
-  void LeaveStart(const Chunk& chunk, TimePoint now);
+  void Judge(const Chunk& chunk, Duration delay);
   void EndRound();
+  double Growth() const;
+  void SetWindow(double window);
 
   const uint64_t max_chunk_bytes_;
   double window_;
-  bool starting_ = true;                  // nothing has ever waited in a queue: the window grows fast
+  double top_ = 0.0;                      // the last window that was too large; 0: none yet
+  bool starting_ = true;                  // none ever was: the window grows fast
   std::array<Duration, 2> least_delays_;  // of this stretch of time and the one before
   TimePoint stretch_end_{};
 
@@ -62,7 +68,9 @@ class TraversePacer {
   uint64_t sent_ = 0;
   uint64_t acknowledged_ = 0;
   TimePoint next_send_{};
-  uint64_t round_end_ = 0;   // acknowledged up to here, the round is over
+  // A round judges a window by chunks that were sent since it was set: those from here on, ...
+  uint64_t judged_from_ = 0;
+  uint64_t round_end_ = 0;   // ... up to here
   Duration round_delay_{0};  // sum
   int round_count_ = 0;
   bool was_full_ = false;  // in this round

@@ -165,7 +165,6 @@ absl::Status TraverseStream::TakeReady(const v1::StreamScansReady& ready) {
   offset_ = ready.committed_offset();
   for (WaitingScan& scan : queue_.waiting) {
     const uint64_t kept = scan.sequence_number() == next_ ? offset_ : 0;
-    if (scan.sent_end > kept) queue_.progress.bytes_resent += scan.sent_end - kept;
     // May be less than was acknowledged: a server that lost its disk, say. Then that is sent again.
     queue_.progress.bytes_acknowledged += kept - scan.committed;
     scan.committed = kept;
@@ -220,11 +219,8 @@ bool TraverseStream::MakeNext() {
 }
 
 bool TraverseStream::MakeHeader(WaitingScan& scan) {
-  if (offset_ > scan.size()) {
-    Break(wire::MakeError(v1::ERROR_REASON_SEQUENCE_DIFFERS,
-                          absl::StrCat("the server has more bytes of scan ", next_, " than the scan here has")));
-    return false;
-  }
+  // Of another scan under this number, which was never acknowledged: the server drops it when it sees the header.
+  if (offset_ > scan.size()) offset_ = 0;
   *message_.mutable_header() = scan.scan.header;
   scan.begins_at = bytes_sent_ - offset_;  // may wrap; only sums with offsets are looked at
   header_sent_ = true;
@@ -243,6 +239,7 @@ bool TraverseStream::MakeChunk(WaitingScan& scan) {
   chunk.set_offset(offset_);
   chunk.set_data(scan.scan.payload.data() + offset_, size);
   chunk.set_crc32c(wire::Crc32c(chunk.data()));
+  if (offset_ < scan.sent_end) queue_.progress.bytes_resent += std::min(size, scan.sent_end - offset_);
   offset_ += size;
   bytes_sent_ += size;
   scan.sent_end = std::max(scan.sent_end, offset_);
