@@ -35,7 +35,8 @@ class CellGrid {
   // False for points that are not finite or beyond the grid's reach.
   bool Place(const Eigen::Vector3d& point_map, PlacedPoint* placed) const {
     const Eigen::Vector3d position = point_map * cells_per_m_ - first_;  // in cells; whole numbers stay exact
-    if (!(position.minCoeff() >= 0.0 && position.maxCoeff() < 2.0 * kReach)) return false;
+    // Coefficient by coefficient: those that are not a number must fail.
+    if (!((position.array() >= 0.0).all() && (position.array() < 2.0 * kReach).all())) return false;
     const Eigen::Matrix<int64_t, 3, 1> index = position.cast<int64_t>();
     placed->key = Spread(index.x()) << 2 | Spread(index.y()) << 1 | Spread(index.z());
     placed->offset = (position - index.cast<double>()).cast<float>().array() - 0.5F;
