@@ -21,7 +21,8 @@ namespace curvereg {
 struct SeenThroughOptions {
   double max_range_m = 30.0;  // farther off, directions are too coarse for small things
   // Finer than for verdicts: poses of a map are good to centimetres. Half a cell is added to margin_m.
-  FreeSpaceOptions free_space = {.max_bins_per_side = 192, .margin_m = 0.1, .margin_per_metre = 0.01};
+  FreeSpaceOptions free_space = {
+      .max_bins_per_side = 192, .points_per_bin = 2.0, .margin_m = 0.05, .margin_per_metre = 0.01};
 };
 
 class SeenThroughVotes {
