@@ -66,6 +66,9 @@ class MapBuilder {
   // with a download although scans have come since. Scans may come within a version: the digest tells whether it is
   // the same map.
   virtual std::shared_ptr<const MapFile> FindBuilt(const MapRequest& request, uint64_t version) = 0;
+
+  // Removes all maps of a traverse: it was deleted.
+  virtual void Forget(const std::string& /*traverse*/) {}
 };
 
 }  // namespace curvereg::server
