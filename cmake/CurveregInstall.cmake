@@ -40,7 +40,10 @@ install(
   FILES_MATCHING
   PATTERN "*.h")
 if(CURVEREG_BUILD_SERVER)
-  install(FILES client/client.h DESTINATION "${include_dir}/client" COMPONENT development)
+  install(
+    FILES client/client.h client/traverse_types.h client/traverses.h
+    DESTINATION "${include_dir}/client"
+    COMPONENT development)
   install(
     DIRECTORY wire
     DESTINATION "${include_dir}"

@@ -16,10 +16,15 @@
 #include "client/cli/evaluate_command.h"
 #include "client/cli/inspect_command.h"
 #include "client/cli/interrupt_watcher.h"
+#include "client/cli/map_command.h"
 #include "client/cli/register_command.h"
 #include "client/cli/scans_command.h"
 #include "client/cli/simulate_command.h"
 #include "client/cli/status_command.h"
+#include "client/cli/stream_command.h"
+#include "client/cli/trajectory_command.h"
+#include "client/cli/traverse_command.h"
+#include "client/cli/watch_command.h"
 #include "server/heap_tuning.h"
 
 namespace curvereg::cli {
@@ -38,7 +43,9 @@ ExitCode ParseAndRun(int argc, char** argv) {
   app.set_version_flag("--version", "curvereg " CURVEREG_VERSION);
   app.require_subcommand(1);
   const std::vector<Command> commands = {AddRegisterCommand(app), AddSimulateCommand(app), AddEvaluateCommand(app),
-                                         AddInspectCommand(app),  AddScansCommand(app),    AddStatusCommand(app)};
+                                         AddInspectCommand(app),  AddScansCommand(app),    AddStatusCommand(app),
+                                         AddStreamCommand(app),   AddWatchCommand(app),    AddTrajectoryCommand(app),
+                                         AddMapCommand(app),      AddTraverseCommand(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -102,6 +102,23 @@ ServiceAccess::~ServiceAccess() {
 }
 
 absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& arguments) {
+  return OpenWith(arguments, [] { return server::Server::StartInProcess(server::ServerConfig()); });
+}
+
+absl::StatusOr<ServiceAccess> ServiceAccess::OpenWithData(const ServerArguments& arguments,
+                                                          const std::string& data_dir) {
+  return OpenWith(arguments, [&data_dir] {
+    server::ServerConfig config;
+    config.listen = "127.0.0.1:0";  // nobody is told the port
+    config.ops_listen.clear();
+    config.data_dir = data_dir;
+    config.log.level = "error";
+    config.drain_delay_ms = 0;
+    return server::Server::Start(config);
+  });
+}
+
+absl::StatusOr<ServiceAccess> ServiceAccess::OpenWith(const ServerArguments& arguments, const StartLocal& start_local) {
   ServiceAccess service;
   const absl::StatusOr<ClientOptions> options = OptionsOf(arguments);
   if (!options.ok()) return options.status();
@@ -112,7 +129,7 @@ absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& argumen
     service.client_ = *std::move(client);
     return service;
   }
-  absl::StatusOr<std::unique_ptr<server::Server>> local = server::Server::StartInProcess(server::ServerConfig());
+  absl::StatusOr<std::unique_ptr<server::Server>> local = start_local();
   if (!local.ok()) return local.status();
   service.local_ = *std::move(local);
   // Nobody waits for this process but its user, who can interrupt it.

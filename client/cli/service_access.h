@@ -6,6 +6,7 @@
 #define CURVEREG_CLIENT_CLI_SERVICE_ACCESS_H_
 
 #include <CLI/App.hpp>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -34,6 +35,8 @@ class ServiceAccess {
  public:
   // INVALID_ARGUMENT: arguments; UNAVAILABLE: no server answers there.
   static absl::StatusOr<ServiceAccess> Open(const ServerArguments& arguments);
+  // The same, but the service in this process keeps scans and traverses in the folder. Errors of Server::Start.
+  static absl::StatusOr<ServiceAccess> OpenWithData(const ServerArguments& arguments, const std::string& data_dir);
 
   ServiceAccess() = default;
   ServiceAccess(ServiceAccess&&) = default;
@@ -46,6 +49,9 @@ class ServiceAccess {
   void DeleteAtEnd(const std::string& name) { temporary_.insert(name); }
 
  private:
+  using StartLocal = std::function<absl::StatusOr<std::unique_ptr<server::Server>>()>;
+  static absl::StatusOr<ServiceAccess> OpenWith(const ServerArguments& arguments, const StartLocal& start_local);
+
   std::unique_ptr<server::Server> local_;  // outlives the client
   std::unique_ptr<Client> client_;
   std::set<std::string> temporary_;

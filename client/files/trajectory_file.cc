@@ -119,21 +119,28 @@ absl::StatusOr<std::vector<StampedPose>> ReadTrajectoryFile(const std::string& p
   return poses;
 }
 
-absl::Status WriteTrajectoryFile(const std::string& path, const std::vector<StampedPose>& poses,
-                                 TrajectoryFormat format) {
+absl::StatusOr<std::string> TrajectoryText(const std::vector<StampedPose>& poses, TrajectoryFormat format,
+                                           const std::string& world) {
   std::string text;
   if (format == TrajectoryFormat::kTum) {
-    text =
-        "# T_world_scan: scan (sensor) frame to world frame, metres, seconds\n"
-        "# timestamp tx ty tz qx qy qz qw\n";
+    text = absl::StrCat("# T_world_scan: scan (sensor) frame to ", world,
+                        " frame, metres, seconds\n"
+                        "# timestamp tx ty tz qx qy qz qw\n");
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!std::isfinite(poses[i].timestamp_s) || !IsRigid(poses[i].T_world_scan)) {
-      return absl::InvalidArgumentError(absl::StrCat(path, ": pose ", i, " is not a finite rigid transform"));
+      return absl::InvalidArgumentError(absl::StrCat("pose ", i, " is not a finite rigid transform"));
     }
     text += format == TrajectoryFormat::kTum ? TumLine(poses[i]) : KittiLine(poses[i]);
   }
-  return WriteFileAtomically(path, text);
+  return text;
+}
+
+absl::Status WriteTrajectoryFile(const std::string& path, const std::vector<StampedPose>& poses,
+                                 TrajectoryFormat format) {
+  const absl::StatusOr<std::string> text = TrajectoryText(poses, format);
+  if (!text.ok()) return WithPath(path, text.status());
+  return WriteFileAtomically(path, *text);
 }
 
 }  // namespace curvereg

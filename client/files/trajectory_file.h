@@ -31,6 +31,11 @@ absl::StatusOr<std::vector<StampedPose>> ParseTrajectory(std::string_view text);
 
 enum class TrajectoryFormat { kTum, kKitti };
 
+// A file's text, as WriteTrajectoryFile writes it; `world`: what the world frame is, for the header comment.
+// INVALID_ARGUMENT when a pose is not a finite rigid transform.
+absl::StatusOr<std::string> TrajectoryText(const std::vector<StampedPose>& poses, TrajectoryFormat format,
+                                           const std::string& world = "world");
+
 // Written whole or not at all. TUM has 9 decimals of a second, 12 of a metre, 15 of the quaternion (qw >= 0); KITTI has
 // 16 digits. INVALID_ARGUMENT when a pose is not a finite rigid transform; errors of the disk name the file. The frame
 // is named in the header comment where the format has one (TUM).

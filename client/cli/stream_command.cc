@@ -1,0 +1,256 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/stream_command.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/argument_parsing.h"
+#include "client/cli/cloud_arguments.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/scan_folder.h"
+#include "client/cli/scan_source.h"
+#include "client/cli/traverse_arguments.h"
+#include "client/cli/traverse_text.h"
+#include "client/files/result_json.h"
+#include "client/traverses.h"
+
+namespace curvereg::cli {
+namespace {
+
+struct Arguments {
+  TraverseArguments traverse;
+  ScanSourceArguments source;
+  double rate_hz = 0.0;
+  bool resume = false;
+  std::string method = "curvelet";
+  std::string encoding = "quantized";
+  double max_error_m = 1e-3;
+  std::string frame_id;
+  bool optimize = false;
+};
+
+constexpr char kNotes[] =
+    R"(Scan by scan in name order; the first file of the folder is scan 0 of the traverse. Cuts of the link are mended: what
+the server acknowledged is not sent again. With --follow the folder is watched for new files, until ^C or --idle-end;
+write files under another name and rename them when they are complete.
+
+With --json one line for each result, and a last one with a summary.
+
+Exit status: 0 done and every scan registered, 1 internal fault or interrupted, 2 bad arguments or input, 3 done, but
+some scan was not registered (its pose is carried by the prior, or a new segment begins), 4 server unreachable or it
+refused.
+
+Examples:
+  curvereg stream sol-12 --traverse sol-12 --server ground-station:50051
+  curvereg stream --follow incoming --traverse sol-12 --resume --priors odometry.txt --prior-sigma 0.02,0.3)";
+
+// What has come so far; told by the streamer's thread.
+struct Account {
+  std::mutex mutex;
+  uint64_t num_results = 0;
+  uint64_t num_unregistered = 0;  // beyond the first scan of the traverse
+  bool printed_all = true;
+  uint64_t num_scans = 0;  // to be sent; 0: unknown
+  StreamProgress progress;
+};
+
+std::string ResultText(const ScanResult& result, bool is_first, bool json) {
+  if (json) return JsonText(ScanResultJson(result)) + "\n";
+  return absl::StrCat(is_first ? ScanResultHeader() : "", ScanResultRow(result));
+}
+
+StreamOptions OptionsOf(const Arguments& arguments, Account& account, ProgressBar& bar) {
+  StreamOptions options;
+  options.encoding = {
+      .kind = arguments.encoding == "lossless" ? TransferEncoding::Kind::kLossless : TransferEncoding::Kind::kQuantized,
+      .max_error_m = arguments.max_error_m};
+  options.on_result = [&arguments, &account](const ScanResult& result) {
+    const std::lock_guard lock(account.mutex);
+    const bool is_first = account.num_results++ == 0;
+    const bool is_begin = result.sequence_number == 0 && result.pose.origin == PoseOrigin::kSegmentStart;
+    if (!is_begin && result.pose.origin != PoseOrigin::kRegistered) ++account.num_unregistered;
+    const ExitCode printed = PrintResult(ResultText(result, is_first, arguments.traverse.json));
+    account.printed_all = account.printed_all && printed == ExitCode::kDone;
+  };
+  options.on_progress = [&account, &bar](const StreamProgress& progress) {
+    const std::lock_guard lock(account.mutex);
+    account.progress = progress;
+    const double share =
+        static_cast<double>(progress.num_acknowledged) / static_cast<double>(std::max<uint64_t>(account.num_scans, 1));
+    bar.Update(share, absl::StrCat(
+                          progress.num_acknowledged, " scans safe, ", progress.num_results, " registered",
+                          progress.num_resumes == 0 ? "" : absl::StrCat(", resumed ", progress.num_resumes, " times")));
+  };
+  return options;
+}
+
+// The traverse to go on with or to begin.
+absl::StatusOr<RemoteTraverse> BeginTraverse(TraverseClient& client, const Arguments& arguments) {
+  const std::string name = TraverseName(arguments.traverse.id);
+  if (arguments.resume) {
+    absl::StatusOr<RemoteTraverse> found = client.Get(name);
+    if (!absl::IsNotFound(found.status())) return found;
+  }
+  TraverseSettings settings;
+  const absl::StatusOr<Method> method = ParseMethod(arguments.method);
+  if (!method.ok()) return method.status();
+  settings.registration.method = *method;
+  absl::StatusOr<RemoteTraverse> traverse = client.Create(name.substr(name.find('/') + 1), settings);
+  if (!traverse.ok() || traverse->next_sequence_number == 0) return traverse;
+  return absl::AlreadyExistsError(
+      absl::StrCat(name, ": has ", traverse->next_sequence_number, " scans already; --resume goes on after them"));
+}
+
+// Waits so that scans go out no faster than asked for.
+class Clockwork {
+ public:
+  explicit Clockwork(double rate_hz) : period_(rate_hz > 0.0 ? 1.0 / rate_hz : 0.0) {}
+  void Wait(const std::stop_token& stop) {
+    const auto now = std::chrono::steady_clock::now();
+    next_ = std::max(next_, now);
+    SleepOrStop(std::chrono::ceil<std::chrono::milliseconds>(next_ - now), stop);
+    next_ += std::chrono::duration_cast<std::chrono::nanoseconds>(period_);
+  }
+
+ private:
+  std::chrono::duration<double> period_;
+  std::chrono::time_point<std::chrono::steady_clock, std::chrono::nanoseconds> next_{};
+};
+
+absl::Status SendAll(ScanStreamer& streamer, ScanSource& source, const Arguments& arguments,
+                     const CliContext& context) {
+  Clockwork clockwork(arguments.rate_hz);
+  while (true) {
+    absl::StatusOr<std::optional<StreamedScan>> scan = source.Next(context);
+    if (!scan.ok()) return scan.status();
+    if (!scan->has_value()) return absl::OkStatus();
+    clockwork.Wait(context.interrupted);
+    (*scan)->frame_id = arguments.frame_id;
+    if (absl::Status sent = streamer.Send(**std::move(scan)); !sent.ok()) return sent;
+  }
+}
+
+absl::Status Stream(TraverseClient& client, const RemoteTraverse& traverse, const Arguments& arguments,
+                    Account& account, const CliContext& context) {
+  absl::StatusOr<ScanSource> source = ScanSource::Open(arguments.source, traverse.next_sequence_number);
+  if (!source.ok()) return source.status();
+  account.num_scans = source->num_left();
+  ProgressBar bar("streaming");
+  StreamOptions options = OptionsOf(arguments, account, bar);
+  if (traverse.num_registered_scans > 0) options.last_result = traverse.num_registered_scans - 1;
+  // ^C ends a watched folder, not what was found in it.
+  if (!source->is_endless()) options.cancellation = context.interrupted;
+  absl::StatusOr<std::unique_ptr<ScanStreamer>> streamer = client.Stream(traverse.name, options);
+  if (!streamer.ok()) return streamer.status();
+  const absl::Status sent = SendAll(**streamer, *source, arguments, context);
+  if (source->num_late() > 0) {
+    ReportWarning(absl::StrCat(source->num_late(), " files came too late: their names lie before others sent"));
+  }
+  // Even after an error of a file: the scans before it count.
+  const absl::Status finished = (*streamer)->Finish();
+  const std::lock_guard lock(account.mutex);
+  account.progress = (*streamer)->progress();
+  return sent.ok() || !finished.ok() ? finished : sent;
+}
+
+nlohmann::ordered_json SummaryJson(const RemoteTraverse& traverse, const Account& account,
+                                   const std::optional<OptimizationOutcome>& optimized) {
+  nlohmann::ordered_json json = TraverseJson(traverse);
+  json["num_sent"] = account.progress.num_acknowledged;
+  json["num_results"] = account.num_results;
+  json["num_unregistered"] = account.num_unregistered;
+  json["bytes_sent"] = account.progress.bytes_sent;
+  json["bytes_resent"] = account.progress.bytes_resent;
+  json["num_resumes"] = account.progress.num_resumes;
+  json["optimization"] = optimized ? OptimizationJson(*optimized) : nlohmann::ordered_json(nullptr);
+  return {{"summary", std::move(json)}};
+}
+
+std::string SummaryText(const RemoteTraverse& traverse, const Account& account,
+                        const std::optional<OptimizationOutcome>& optimized) {
+  return absl::StrCat(traverse.name, ": ", account.progress.num_acknowledged, " scans sent, ",
+                      traverse.num_registered_scans, " registered in all, ", traverse.num_segments, " segments, ",
+                      absl::StrFormat("%.2f m\n", traverse.path_length_m),
+                      optimized ? OptimizationText(*optimized) : "");
+}
+
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse);
+  if (!service.ok()) return ReportError(service.status());
+  TraverseClient& client = service->client().traverses();
+  const absl::StatusOr<RemoteTraverse> begun = BeginTraverse(client, arguments);
+  if (!begun.ok()) return ReportError(begun.status());
+  Account account;
+  const absl::Status streamed = Stream(client, *begun, arguments, account, context);
+  if (!streamed.ok()) return ReportError(streamed);
+  std::optional<OptimizationOutcome> optimized;
+  if (arguments.optimize) {
+    const absl::StatusOr<OptimizationOutcome> outcome = client.Optimize(begun->name, true, context.interrupted);
+    if (!outcome.ok()) return ReportError(outcome.status());
+    optimized = *outcome;
+  }
+  const absl::StatusOr<RemoteTraverse> traverse = client.Get(begun->name);
+  if (!traverse.ok()) return ReportError(traverse.status());
+  const ExitCode printed =
+      PrintResult(arguments.traverse.json ? JsonText(SummaryJson(*traverse, account, optimized)) + "\n"
+                                          : SummaryText(*traverse, account, optimized));
+  if (printed != ExitCode::kDone || !account.printed_all) return ExitCode::kUsage;
+  return account.num_unregistered == 0 ? ExitCode::kDone : ExitCode::kRejected;
+}
+
+void AddSourceOptions(CLI::App& command, Arguments& arguments) {
+  ScanSourceArguments& source = arguments.source;
+  CLI::Option* folder = command.add_option("DIR", source.folder, "Folder of scans, sent in name order");
+  command.add_option("--follow", source.follow, "Folder that grows: sends what comes, until ^C or --idle-end")
+      ->excludes(folder)
+      ->type_name("DIR");
+  command.add_option("--idle-end", source.idle_end_s, "With --follow: end when nothing new came for so many seconds")
+      ->check(CheckPositive)
+      ->type_name("S");
+  command
+      .add_option("--priors", source.priors,
+                  "Odometry of the drive, TUM or KITTI: a pose for each scan, in their order; its times, where they "
+                  "are TUM, become the scans'")
+      ->type_name("FILE");
+  command.add_option("--prior-sigma", source.prior_sigma,
+                     "Standard deviations of the motion from scan to scan: ROTATION_RAD,TRANSLATION_M");
+}
+
+}  // namespace
+
+Command AddStreamCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("stream", "Send a folder of scans to a traverse, as a rover would");
+  AddSourceOptions(*command, *arguments);
+  command->add_option("--traverse", arguments->traverse.id, "Name of the traverse; begun if it is not there")
+      ->required()
+      ->type_name("ID");
+  command->add_option("--rate", arguments->rate_hz, "Most scans to send in a second")
+      ->check(CheckPositive)
+      ->type_name("HZ");
+  command->add_flag("--resume", arguments->resume, "Go on after the scans that the traverse has");
+  command->add_option("--method", arguments->method, absl::StrCat("Of a new traverse: ", MethodNames()))
+      ->capture_default_str()
+      ->type_name("NAME");
+  command->add_option("--encoding", arguments->encoding, "lossless (compressed) or quantized (smallest)")
+      ->check(CLI::IsMember({"lossless", "quantized"}))
+      ->capture_default_str();
+  command->add_option("--max-error", arguments->max_error_m, "With quantized: metres that a point may be off")
+      ->check(CheckPositive)
+      ->capture_default_str();
+  command->add_option("--frame", arguments->frame_id, "Name of the sensor frame, kept with the scans")
+      ->type_name("NAME");
+  command->add_flag("--optimize", arguments->optimize, "In the end look for loop closures and adjust all poses");
+  AddTraverseOptions(*command, arguments->traverse, "Print one JSON object a line and nothing else");
+  command->footer(kNotes);
+  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+}
+
+}  // namespace curvereg::cli

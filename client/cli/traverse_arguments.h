@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the commands about traverses share: which traverse, and where it is kept.
+#ifndef CURVEREG_CLIENT_CLI_TRAVERSE_ARGUMENTS_H_
+#define CURVEREG_CLIENT_CLI_TRAVERSE_ARGUMENTS_H_
+
+#include <CLI/App.hpp>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/cli/service_access.h"
+
+namespace curvereg::cli {
+
+struct TraverseArguments {
+  ServerArguments server;
+  std::string data_dir = "curvereg-data";  // of the service in this process, without a server
+  std::string id;
+  bool json = false;
+};
+
+// Declares --data-dir (CURVEREG_DATA_DIR), --json with `json_help`, and the server's options.
+void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const std::string& json_help);
+
+// `traverses/ID` for ID, or for what is a name already.
+std::string TraverseName(const std::string& id);
+
+// The service: a server's, else one in this process over the data folder.
+absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments);
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLIENT_CLI_TRAVERSE_ARGUMENTS_H_
