@@ -146,8 +146,9 @@ TEST_F(CliServerTest, EvaluateUsesTheServerAndLeavesNothingThere) {
 TEST_F(CliServerTest, SimulateStoresItsScans) {
   ASSERT_EQ(Asking("simulate --preset sparse --scans 2 --seed 9 --out stored").status, 0);
   const Finished list = Asking("scans list --json");
-  EXPECT_EQ(json::parse(list.out)["scans"].size(), 2U);
-  for (const json& scan : json::parse(list.out)["scans"]) {
+  const json scans = json::parse(list.out)["scans"];
+  EXPECT_EQ(scans.size(), 2U);
+  for (const json& scan : scans) {
     EXPECT_EQ(Asking("scans delete " + scan["name"].get<std::string>()).status, 0);
   }
 }
