@@ -5,10 +5,10 @@ JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo test bench fuzz image format lint tidy clean
+.PHONY: help deps build demo test bench sanitizers fuzz image format lint tidy clean
 
 help: ## This list
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 10
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 12
 
 deps: ## Install the Debian packages that are missing
 	@scripts/install_dependencies.sh build server baselines plots
@@ -27,6 +27,11 @@ test: deps build ## Build and run every test
 
 bench: build ## Run the benchmarks; what they print is kept in out/bench
 	scripts/bench.sh build/release/bench out/bench
+
+sanitizers: ## Run every test under ASan and UBSan, and the server's under TSan (an hour)
+	@scripts/install_dependencies.sh build server
+	scripts/sanitizers.sh asan $(JOBS)
+	scripts/sanitizers.sh tsan $(JOBS)
 
 fuzz: ## Fuzz every file reader and message decoder for FUZZ_SECONDS (60) each; needs clang
 	@scripts/install_dependencies.sh build server fuzz

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The Curvereg authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Builds and runs the tests under a sanitizer: all of them under asan (addresses, leaks, undefined behaviour), those of
+# the server, its client and what they share under tsan (threads). Fails at a failed test and at any report, also one of
+# a program that a test has started and killed.
+#
+# usage: sanitizers.sh asan|tsan JOBS
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+preset=$1
+jobs=$2
+build=$PWD/build/$preset
+reports=$build/reports
+
+cmake --preset "$preset"
+targets=(all)
+selected=()
+if [ "$preset" = tsan ]; then
+  selected=(-R '^(server|client|wire)/|^integration/(server_|store_crash|cli_server|tls)|^testing/tsan_grpc')
+  mapfile -t targets < <(ninja -C "$build" -t targets all |
+    grep -oE '^tests/((server|client|wire)_|integration_(server|store_crash|cli_server|tls)|testing_tsan_grpc)[a-z0-9_]*test')
+fi
+ninja -C "$build" -j "$jobs" "${targets[@]}"
+
+rm -rf "$reports"
+mkdir -p "$reports"
+export ASAN_OPTIONS=log_path=$reports/asan
+export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1:log_path=$reports/ubsan
+export TSAN_OPTIONS=log_path=$reports/tsan:suppressions=$PWD/tests/tsan.supp
+status=0
+CURVEREG_TEST_IMAGE=0 ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$jobs" "${selected[@]}" ||
+  status=$?
+found=$(find "$reports" -type f | sort)
+if [ -n "$found" ]; then
+  xargs cat <<<"$found"
+  printf '\nsanitizers.sh: %d processes reported, see %s\n' "$(wc -l <<<"$found")" "$reports" >&2
+  exit 1
+fi
+exit "$status"
