@@ -33,7 +33,7 @@ struct PoseGraphOptions {
   // Standard deviations are not taken to be smaller than these: registrations are surer of themselves than they ought.
   double least_sigma_rad = 1e-4;
   double least_sigma_m = 2e-3;
-  int max_iterations = 50;
+  int max_iterations = 100;
   bool with_covariances = true;
   int num_threads = 0;  // 0: one per processor
 };

@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/pose_graph_least_squares.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "core/mapping/pose_graph_covariance.h"
+#include "core/mapping/pose_graph_residual.h"
+#include "core/mapping/pose_graph_start.h"
+#include "core/parallel.h"
+
+namespace curvereg {
+namespace {
+
+// A parameter block: rotation matrix and translation, the upper rows of the transform's matrix, column by column.
+constexpr int kPoseSize = 12;
+using PoseMatrix = Eigen::Matrix<double, 3, 4>;
+using RowMajorJacobian = Eigen::Matrix<double, 6, kPoseSize, Eigen::RowMajor>;
+
+RigidTransform ToTransform(const double* pose) {
+  RigidTransform T = RigidTransform::Identity();
+  T.matrix().topRows<3>() = Eigen::Map<const PoseMatrix>(pose);
+  return T;
+}
+
+void FromTransform(const RigidTransform& T, double* pose) {
+  Eigen::Map<PoseMatrix> matrix(pose);
+  matrix = T.matrix().topRows<3>();
+}
+
+// Moves as Moved makes them. Ceres asks for the edges' derivatives by the entries of the block and multiplies them by
+// PlusJacobian; EdgeCost gives those by the move at once, in the first columns, and PlusJacobian picks these out.
+class PoseManifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return kPoseSize; }
+  int TangentSize() const override { return 6; }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
+    FromTransform(Moved(ToTransform(x), Eigen::Map<const Vector6d>(delta)), x_plus_delta);
+    return true;
+  }
+  bool PlusJacobian(const double* /*x*/, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, kPoseSize, 6, Eigen::RowMajor>>(jacobian).setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    const RigidTransform T_y = ToTransform(y), T_x = ToTransform(x);
+    Eigen::Map<Vector6d> difference(y_minus_x);
+    difference << VectorFromRotation(T_y.linear() * T_x.linear().transpose()), T_y.translation() - T_x.translation();
+    return true;
+  }
+  bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
+    Eigen::Map<RowMajorJacobian>(jacobian).setIdentity();
+    return true;
+  }
+};
+
+// The whitened error times the root of a weight that changes from problem to problem.
+class EdgeCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
+ public:
+  EdgeCost(const PoseGraphEdge& edge, const Matrix6d& whitening, const double& weight)
+      : edge_(edge), whitening_(whitening), weight_(weight) {}
+
+  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
+    const RigidTransform T_graph_source = ToTransform(poses[0]), T_graph_target = ToTransform(poses[1]);
+    const Matrix6d scale = std::sqrt(weight_) * whitening_;
+    Eigen::Map<Vector6d> error(residuals);
+    error = scale * EdgeError(edge_.T_target_source, T_graph_source, T_graph_target);
+    if (jacobians == nullptr) return true;
+    const EdgeDerivatives derivatives = DifferentiateEdge(edge_.T_target_source, T_graph_source, T_graph_target);
+    Write(scale * derivatives.by_source, jacobians[0]);
+    Write(scale * derivatives.by_target, jacobians[1]);
+    return true;
+  }
+
+ private:
+  static void Write(const Matrix6d& by_move, double* jacobian) {
+    if (jacobian == nullptr) return;
+    Eigen::Map<RowMajorJacobian> block(jacobian);
+    block.setZero();
+    block.leftCols<6>() = by_move;
+  }
+
+  const PoseGraphEdge& edge_;
+  const Matrix6d whitening_;
+  const double& weight_;
+};
+
+// Ends after the first step that made the sum smaller, or at a stop.
+class OneStep final : public ceres::IterationCallback {
+ public:
+  explicit OneStep(const Stop& stop) : stop_(stop) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (stop_.Requested()) return ceres::SOLVER_ABORT;
+    return summary.iteration > 0 && summary.step_is_successful ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                               : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const Stop& stop_;
+};
+
+ceres::Problem::Options Borrowing() {
+  ceres::Problem::Options options;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;  // indices were checked
+  return options;
+}
+
+}  // namespace
+
+struct PoseGraphLeastSquares::State {
+  const PoseGraph& graph;
+  std::vector<int> first_node;
+  std::vector<RigidTransform> T_graph_node;
+  std::vector<double> blocks;  // kPoseSize for each node
+  std::vector<double> weights;
+  std::vector<Matrix6d> whitening;
+  std::deque<EdgeCost> costs;  // which cannot be moved
+  PoseManifold manifold;
+  ceres::Problem problem{Borrowing()};
+  double trust_radius = 1e8;
+
+  double* Block(int node) { return blocks.data() + kPoseSize * static_cast<size_t>(node); }
+  bool Held(int node) const { return first_node[static_cast<size_t>(node)] == node; }
+};
+
+PoseGraphLeastSquares::PoseGraphLeastSquares(const PoseGraph& graph, const PoseGraphOptions& options)
+    : state_(new State{.graph = graph,
+                       .first_node = FirstNodes(graph),
+                       .T_graph_node = {},
+                       .blocks = {},
+                       .weights = {},
+                       .whitening = {},
+                       .costs = {},
+                       .manifold = {}}) {
+  State& state = *state_;
+  state.blocks.resize(kPoseSize * graph.T_graph_node.size());
+  SetPoses(graph.T_graph_node);
+  state.weights.assign(graph.edges.size(), 1.0);
+  for (size_t i = 0; i < graph.edges.size(); ++i) {
+    const PoseGraphEdge& edge = graph.edges[i];
+    state.whitening.push_back(Whitening(edge.covariance, options));
+    state.costs.emplace_back(edge, state.whitening.back(), state.weights[i]);
+    for (const int node : {edge.source, edge.target})
+      if (!state.problem.HasParameterBlock(state.Block(node)))
+        state.problem.AddParameterBlock(state.Block(node), kPoseSize, &state.manifold);
+    state.problem.AddResidualBlock(&state.costs.back(), nullptr, state.Block(edge.source), state.Block(edge.target));
+  }
+  for (size_t i = 0; i < state.first_node.size(); ++i) {
+    const auto node = static_cast<int>(i);
+    if (state.Held(node) && state.problem.HasParameterBlock(state.Block(node)))
+      state.problem.SetParameterBlockConstant(state.Block(node));
+  }
+}
+
+PoseGraphLeastSquares::~PoseGraphLeastSquares() = default;
+
+const std::vector<RigidTransform>& PoseGraphLeastSquares::poses() const { return state_->T_graph_node; }
+
+void PoseGraphLeastSquares::SetPoses(const std::vector<RigidTransform>& T_graph_node) {
+  state_->T_graph_node = T_graph_node;
+  for (size_t i = 0; i < T_graph_node.size(); ++i) FromTransform(T_graph_node[i], state_->Block(static_cast<int>(i)));
+}
+
+std::vector<double> PoseGraphLeastSquares::SquaredErrors() const {
+  std::vector<double> squares;
+  for (size_t i = 0; i < state_->whitening.size(); ++i) {
+    const PoseGraphEdge& edge = state_->graph.edges[i];
+    const Vector6d e = EdgeError(edge.T_target_source, poses()[static_cast<size_t>(edge.source)],
+                                 poses()[static_cast<size_t>(edge.target)]);
+    squares.push_back((state_->whitening[i] * e).squaredNorm());
+  }
+  return squares;
+}
+
+absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights, const Stop& stop) {
+  State& state = *state_;
+  std::copy(weights.begin(), weights.end(), state.weights.begin());
+  OneStep callback(stop);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  // Eigen's: the others call a BLAS that may add up in another order on another number of threads.
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.num_threads = 1;          // Ceres adds up gradients thread by thread
+  options.max_num_iterations = 20;  // of which all but the last failed
+  options.initial_trust_region_radius = state.trust_radius;
+  options.max_trust_region_radius = 1e12;
+  options.function_tolerance = options.parameter_tolerance = 1e-12;
+  options.gradient_tolerance = 1e-10;
+  options.logging_type = ceres::SILENT;
+  options.callbacks.push_back(&callback);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &state.problem, &summary);
+  if (stop.Cancelled()) return absl::CancelledError("the optimisation was cancelled");
+  if (stop.PastDeadline()) return absl::DeadlineExceededError("the optimisation ran out of time");
+  if (!summary.IsSolutionUsable())
+    return absl::InvalidArgumentError("the pose graph holds numbers that cannot be computed with");
+  if (!summary.iterations.empty()) state.trust_radius = std::max(1e2, summary.iterations.back().trust_region_radius);
+  for (size_t i = 0; i < state.T_graph_node.size(); ++i)
+    if (!state.Held(static_cast<int>(i)))
+      state.T_graph_node[i] = Orthonormalised(ToTransform(state.Block(static_cast<int>(i))));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<Matrix6d>> PoseGraphLeastSquares::Covariances(const std::vector<double>& weights,
+                                                                         const Stop& stop) const {
+  const State& state = *state_;
+  std::vector<int> place(state.first_node.size(), -1);
+  int size = 0;
+  for (size_t i = 0; i < place.size(); ++i)
+    if (!state.Held(static_cast<int>(i))) place[i] = size++;
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](int row_node, int column_node, const Matrix6d& block) {
+    const int row = place[static_cast<size_t>(row_node)], column = place[static_cast<size_t>(column_node)];
+    if (row < column || column < 0) return;
+    for (int c = 0; c < 6; ++c)
+      for (int r = 0; r < 6; ++r) entries.emplace_back(6 * row + r, 6 * column + c, block(r, c));
+  };
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const PoseGraphEdge& edge = state.graph.edges[i];
+    const EdgeDerivatives derivatives = DifferentiateEdge(
+        edge.T_target_source, poses()[static_cast<size_t>(edge.source)], poses()[static_cast<size_t>(edge.target)]);
+    const Matrix6d by_source = std::sqrt(weights[i]) * state.whitening[i] * derivatives.by_source;
+    const Matrix6d by_target = std::sqrt(weights[i]) * state.whitening[i] * derivatives.by_target;
+    add(edge.source, edge.source, by_source.transpose() * by_source);
+    add(edge.target, edge.target, by_target.transpose() * by_target);
+    add(edge.source, edge.target, by_source.transpose() * by_target);
+    add(edge.target, edge.source, by_target.transpose() * by_source);
+  }
+  Eigen::SparseMatrix<double> information(6 * size, 6 * size);
+  information.setFromTriplets(entries.begin(), entries.end());
+  const auto blocks = DiagonalBlocksOfInverse(information, stop);
+  if (!blocks.ok()) return blocks.status();
+  std::vector<Matrix6d> covariances(place.size(), Matrix6d::Zero());
+  for (size_t i = 0; i < place.size(); ++i)
+    if (place[i] >= 0) covariances[i] = CovarianceAboutGraph(poses()[i], (*blocks)[static_cast<size_t>(place[i])]);
+  return covariances;
+}
+
+}  // namespace curvereg

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// How far two poses of a pose graph are from what was measured between them, in standard deviations.
+//
+// Poses move by (rotation [rad], translation [m]) in the graph frame, each node turning about its own origin:
+// R' = Exp(omega) R, t' = t + v. Turning about the graph's origin, the project's left perturbation, would couple the
+// two by lever arms of kilometres; CovarianceAboutGraph changes over at the end.
+#ifndef CURVEREG_CORE_MAPPING_POSE_GRAPH_RESIDUAL_H_
+#define CURVEREG_CORE_MAPPING_POSE_GRAPH_RESIDUAL_H_
+
+#include <Eigen/Core>
+
+#include "core/mapping/pose_graph.h"
+#include "core/rigid_transform.h"
+
+namespace curvereg {
+
+// W such that W e has covariance I when e has `covariance`; in no direction is less deviation believed than `options`
+// allow. Precondition: `covariance` is positive definite.
+Matrix6d Whitening(const Matrix6d& covariance, const PoseGraphOptions& options);
+
+// A: Exp(A delta) T = T Exp(delta) to first order.
+Matrix6d Adjoint(const RigidTransform& T);
+
+// The covariance, left perturbation, of the inverse of a transform that has `covariance`.
+Matrix6d InverseCovariance(const RigidTransform& T, const Matrix6d& covariance);
+
+// e = Log(T_target_source (T_graph_target^-1 T_graph_source)^-1), rotation vector and translation, target frame: the
+// left perturbation that makes the measured transform out of the one that the poses tell.
+Vector6d EdgeError(const RigidTransform& T_target_source, const RigidTransform& T_graph_source,
+                   const RigidTransform& T_graph_target);
+
+// Derivatives of EdgeError by the moves of its two nodes. Those of the rotation grow without bound as the error nears
+// half a turn.
+struct EdgeDerivatives {
+  Matrix6d by_source;
+  Matrix6d by_target;
+};
+EdgeDerivatives DifferentiateEdge(const RigidTransform& T_target_source, const RigidTransform& T_graph_source,
+                                  const RigidTransform& T_graph_target);
+
+// The pose after the move (omega, v).
+RigidTransform Moved(const RigidTransform& T_graph_node, const Vector6d& move);
+
+// The covariance of a pose as a left perturbation, given that of its moves.
+Matrix6d CovarianceAboutGraph(const RigidTransform& T_graph_node, const Matrix6d& covariance_of_moves);
+
+}  // namespace curvereg
+
+#endif  // CURVEREG_CORE_MAPPING_POSE_GRAPH_RESIDUAL_H_
