@@ -61,7 +61,8 @@ std::vector<uint64_t> PlacesOfOlderSegments(const Traverse& traverse, uint64_t s
   for (auto last = last_of_segment.rbegin(); last != last_of_segment.rend() && chosen.size() < limit; ++last) {
     chosen.insert(last->second);
   }
-  const size_t stride = std::max<size_t>(1, older.size() / std::max<size_t>(1, limit));
+  const size_t num_others = std::max<size_t>(1, limit - chosen.size());
+  const size_t stride = std::max<size_t>(1, (older.size() + num_others - 1) / num_others);
   for (size_t i = sequence_number % stride; i < older.size() && chosen.size() < limit; i += stride) {
     chosen.insert(older[i]);
   }

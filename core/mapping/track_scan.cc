@@ -20,7 +20,7 @@ class ScanTracker {
     tracked_.pose.sequence_number = traverse_.poses.size();
     tracked_.pose.time_ns = scan_.time_ns;
     if (traverse_.poses.empty()) return Started();
-    const absl::StatusOr<bool> is_linked = TryLink(Predecessor(), Motion());
+    const absl::StatusOr<bool> is_linked = TryLink(Predecessor(), scan_.prior);
     if (!is_linked.ok()) return is_linked.status();
     if (*is_linked) return std::move(tracked_);
     for (const uint64_t target : TargetsBesidePredecessor()) {
@@ -37,7 +37,8 @@ class ScanTracker {
   const TrajectoryPose& Predecessor() const { return traverse_.poses.back(); }
   bool HasOdometry() const { return scan_.prior.has_value() && scan_.prior->covariance.has_value(); }
 
-  // Motion since the predecessor: as told, else as before, which is a guess and no more.
+  // Motion since the predecessor: as told, else as before, which is a guess and no more. It serves to find other scans
+  // when the predecessor's link was rejected; as one more hypothesis of that link it cost a tenth and changed nothing.
   std::optional<Prior> Motion() const {
     if (scan_.prior.has_value() || traverse_.poses.size() < 2) return scan_.prior;
     const TrajectoryPose& before = traverse_.poses[traverse_.poses.size() - 2];

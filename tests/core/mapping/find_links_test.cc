@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "core/mapping/tracking.h"
+#include "tests/testing/matchers.h"
+#include "tests/testing/traverses.h"
+
+namespace curvereg {
+namespace {
+
+using testing::DriveScans;
+using testing::HasCode;
+using testing::IsNear;
+using testing::IsOk;
+
+// A drive round and round: seven scans to a lap.
+class FindLinksTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    sim::SimulationOptions options = testing::SmallDrive(9);
+    options.traverse.shape = sim::TraverseShape::kLoop;
+    options.traverse.loop_radius_m = 6.0;
+    drive_ = std::make_unique<DriveScans>(*sim::Simulation::Create(options));
+    tracked_ = std::make_unique<Traverse>(testing::TrackDrive(*drive_));
+  }
+  static void TearDownTestSuite() {
+    drive_.reset();
+    tracked_.reset();
+  }
+
+  static void ExpectTrue(const TraverseLink& link) {
+    EXPECT_LT(link.target, link.source);
+    EXPECT_TRUE(link.result.verdict.accepted) << link.source << " on " << link.target;
+    EXPECT_THAT(link.result.T_target_source, IsNear(drive_->TrueMotion(link.target, link.source), 0.05, 0.005));
+  }
+
+  // The drive as two segments: it broke off before scan `number`.
+  static Traverse Broken(uint64_t number) {
+    Traverse traverse = *tracked_;
+    std::erase_if(traverse.links,
+                  [&](const TraverseLink& link) { return link.source >= number && link.target < number; });
+    const RigidTransform T_new_old = traverse.poses[number].T_segment_scan.inverse();
+    for (uint64_t i = number; i < traverse.poses.size(); ++i) {
+      traverse.poses[i].segment = 1;
+      traverse.poses[i].T_segment_scan = T_new_old * traverse.poses[i].T_segment_scan;
+    }
+    traverse.poses[number].origin = PoseOrigin::kSegmentStart;
+    traverse.num_segments = 2;
+    return traverse;
+  }
+
+  static inline std::unique_ptr<DriveScans> drive_;
+  static inline std::unique_ptr<Traverse> tracked_;
+};
+
+TEST_F(FindLinksTest, TheNearestScansThatHaveNoLinkYet) {
+  Traverse traverse = *tracked_;
+  std::set<std::pair<uint64_t, uint64_t>> pairs;
+  for (const TraverseLink& link : traverse.links) pairs.emplace(link.source, link.target);
+  for (int round = 0; round < 2; ++round) {
+    const auto links = FindLinks(traverse, 8, drive_->Loader(), {});
+    ASSERT_THAT(links, IsOk());
+    EXPECT_EQ(links->size(), 3U);
+    for (const TraverseLink& link : *links) {
+      EXPECT_EQ(link.kind, LinkKind::kNeighbour);
+      EXPECT_EQ(link.source, 8U);
+      EXPECT_TRUE(pairs.emplace(link.source, link.target).second) << "twice with " << link.target;
+      ExpectTrue(link);
+    }
+    traverse.links.insert(traverse.links.end(), links->begin(), links->end());
+  }
+}
+
+TEST_F(FindLinksTest, ANewSegmentRecognisesAnOlderOne) {
+  const auto links = FindLinks(Broken(6), 6, drive_->Loader(), {});
+  ASSERT_THAT(links, IsOk());
+  const auto joins = std::count_if(links->begin(), links->end(), [](const TraverseLink& link) {
+    return link.target < 6 && link.result.verdict.accepted;
+  });
+  EXPECT_EQ(joins, 1);  // one is enough
+  for (const TraverseLink& link : *links) {
+    if (link.result.verdict.accepted) ExpectTrue(link);
+  }
+}
+
+TEST_F(FindLinksTest, LoopClosuresAlsoBetweenSegments) {
+  TrackingOptions options;
+  options.min_loop_gap = 5;
+  options.max_loop_candidates = 4;
+  const auto closures = FindLoopClosures(*tracked_, drive_->Loader(), options);
+  ASSERT_THAT(closures, IsOk());
+  EXPECT_EQ(closures->size(), 4U);
+  for (const TraverseLink& link : *closures) {
+    EXPECT_EQ(link.kind, LinkKind::kLoopClosure);
+    EXPECT_GE(link.source - link.target, 5U);
+    ExpectTrue(link);
+  }
+  options.min_loop_gap = 100;
+  const auto joins = FindLoopClosures(Broken(5), drive_->Loader(), options);
+  ASSERT_THAT(joins, IsOk());
+  EXPECT_FALSE(joins->empty());
+  EXPECT_LE(joins->size(), 4U);
+  for (const TraverseLink& link : *joins) {
+    EXPECT_LT(link.target, 5U);
+    EXPECT_GE(link.source, 5U);
+    if (link.result.verdict.accepted) ExpectTrue(link);
+  }
+  EXPECT_TRUE(
+      std::any_of(joins->begin(), joins->end(), [](const TraverseLink& link) { return link.result.verdict.accepted; }));
+}
+
+TEST_F(FindLinksTest, AStrangerIsNotRecognised) {
+  Traverse traverse = *tracked_;
+  TrajectoryPose pose;
+  pose.sequence_number = 9;
+  pose.segment = 1;
+  AppendScan(traverse, {pose, {}, -1}, std::nullopt);
+  const std::shared_ptr<const PreparedScan> stranger = testing::StrangerScan();
+  const auto load = [&](uint64_t number, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    if (number == 9) return stranger;
+    return drive_->Get(number);
+  };
+  TrackingOptions options;
+  options.max_loop_candidates = 3;
+  const auto links = FindLinks(traverse, 9, load, options);
+  ASSERT_THAT(links, IsOk());
+  EXPECT_LE(links->size(), 3U);
+  for (const TraverseLink& link : *links) EXPECT_FALSE(link.result.verdict.accepted);
+}
+
+TEST_F(FindLinksTest, WhatIsNotThereOrNotKept) {
+  EXPECT_THAT(FindLinks(*tracked_, 9, drive_->Loader(), {}), HasCode(absl::StatusCode::kInvalidArgument));
+  const auto none = [](uint64_t, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    return absl::NotFoundError("not kept");
+  };
+  for (const auto& links : {FindLinks(Broken(6), 6, none, {}), FindLoopClosures(Broken(6), none, {})}) {
+    ASSERT_THAT(links, IsOk());
+    EXPECT_TRUE(links->empty());
+  }
+  const auto broken = [](uint64_t, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    return absl::DataLossError("broken");
+  };
+  EXPECT_THAT(FindLinks(*tracked_, 8, broken, {}), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_THAT(FindLoopClosures(Traverse{}, broken, {}), IsOk());
+}
+
+TEST_F(FindLinksTest, EndsWhenAsked) {
+  std::stop_source source;
+  source.request_stop();
+  const Stop stop{source.get_token(), std::nullopt};
+  EXPECT_THAT(FindLinks(*tracked_, 8, drive_->Loader(), {}, stop), HasCode(absl::StatusCode::kCancelled));
+  EXPECT_THAT(FindLoopClosures(Broken(6), drive_->Loader(), {}, stop), HasCode(absl::StatusCode::kCancelled));
+}
+
+}  // namespace
+}  // namespace curvereg

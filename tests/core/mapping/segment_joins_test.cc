@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/segment_joins.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/testing/matchers.h"
+
+namespace curvereg {
+namespace {
+
+using testing::IsNear;
+
+RigidTransform At(double x, double yaw_rad) {
+  RigidTransform T = RigidTransform::Identity();
+  T.linear() = RotationFromVector({0.0, 0.0, yaw_rad});
+  T.translation() = Eigen::Vector3d(x, 0.5 * x, 0.1);
+  return T;
+}
+
+// Poses 0..2 of segment 0, 3..5 of segment 1, 6..8 of segment 2; T_world_segment of each.
+const std::vector<RigidTransform> kTrueFrames = {At(0.0, 0.0), At(20.0, 0.7), At(-15.0, -1.1)};
+
+Traverse ThreeSegments() {
+  Traverse traverse;
+  for (uint64_t number = 0; number < 9; ++number) {
+    TrajectoryPose pose;
+    pose.sequence_number = number;
+    pose.segment = static_cast<int>(number / 3);
+    pose.T_segment_scan = At(5.0 * static_cast<double>(number % 3), 0.1);
+    traverse.poses.push_back(pose);
+  }
+  return traverse;
+}
+
+RigidTransform TrueWorldScan(const Traverse& traverse, uint64_t number) {
+  const TrajectoryPose& pose = traverse.poses[number];
+  return kTrueFrames[static_cast<size_t>(pose.segment)] * pose.T_segment_scan;
+}
+
+void Link(Traverse& traverse, uint64_t source, uint64_t target, double error_m = 0.0, bool accepted = true) {
+  TraverseLink link;
+  link.source = source;
+  link.target = target;
+  link.result.T_target_source = TrueWorldScan(traverse, target).inverse() * TrueWorldScan(traverse, source);
+  link.result.T_target_source.translation().x() += error_m;
+  link.result.verdict.accepted = accepted;
+  traverse.links.push_back(link);
+}
+
+TEST(DisjointSetsTest, UnitesToTheLowest) {
+  DisjointSets sets(5);
+  EXPECT_TRUE(sets.Unite(4, 2));
+  EXPECT_TRUE(sets.Unite(1, 4));
+  EXPECT_FALSE(sets.Unite(2, 1));
+  EXPECT_EQ(sets.Find(4), 1U);
+  EXPECT_EQ(sets.Find(3), 3U);
+}
+
+TEST(PlaceSegmentsTest, WithoutLinksEachStaysItsOwn) {
+  Traverse traverse = ThreeSegments();
+  Link(traverse, 4, 1, 0.0, false);  // rejected
+  Link(traverse, 5, 4);              // within a segment
+  const SegmentPlaces places = PlaceSegments(traverse, {});
+  for (const auto& [segment, place] : places) EXPECT_EQ(place.root, segment);
+  EXPECT_EQ(places.size(), 3U);
+  EXPECT_TRUE(PlaceSegments(Traverse{}, {}).empty());
+}
+
+TEST(PlaceSegmentsTest, ChainsOfSegmentsMeetInTheLowest) {
+  Traverse traverse = ThreeSegments();
+  Link(traverse, 7, 4);  // 2 with 1 first
+  Link(traverse, 3, 2);  // then 1 with 0
+  const SegmentPlaces places = PlaceSegments(traverse, {});
+  for (const int segment : {0, 1, 2}) {
+    EXPECT_EQ(places.at(segment).root, 0);
+    EXPECT_THAT(places.at(segment).T_root_segment,
+                IsNear(kTrueFrames[0].inverse() * kTrueFrames[static_cast<size_t>(segment)], 1e-9, 1e-9));
+  }
+  EXPECT_FALSE(SameJoins(places, PlaceSegments(traverse, {1})));
+  EXPECT_EQ(PlaceSegments(traverse, {1}).at(2).root, 1);
+}
+
+TEST(PlaceSegmentsTest, WhatMostLinksSayCounts) {
+  Traverse traverse = ThreeSegments();
+  Link(traverse, 3, 0, 30.0);
+  Link(traverse, 4, 1, 0.02);
+  Link(traverse, 5, 2, -0.02);
+  const SegmentPlaces places = PlaceSegments(traverse, {});
+  EXPECT_THAT(places.at(1).T_root_segment, IsNear(kTrueFrames[0].inverse() * kTrueFrames[1], 0.05, 0.01));
+  EXPECT_EQ(places.at(2).root, 2);
+}
+
+TEST(PlaceSegmentsTest, TheLowerNumberNeedNotBeTheLinksTarget) {
+  Traverse traverse = ThreeSegments();
+  std::swap(traverse.poses[0].segment, traverse.poses[8].segment);  // pose 0 now of segment 2, pose 8 of segment 0
+  Link(traverse, 8, 3);
+  const SegmentPlaces places = PlaceSegments(traverse, {});
+  EXPECT_EQ(places.at(1).root, 0);
+  EXPECT_THAT(places.at(1).T_root_segment, IsNear(kTrueFrames[0].inverse() * kTrueFrames[1], 1e-9, 1e-9));
+}
+
+}  // namespace
+}  // namespace curvereg
