@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mapping/pose_graph_residual.h"
+
 namespace curvereg {
 namespace {
 
@@ -36,15 +38,6 @@ Matrix6d Magnitude(const Matrix6d& symmetric) {
 }
 
 }  // namespace
-
-Matrix6d Adjoint(const RigidTransform& T_target_source) {
-  const Eigen::Matrix3d R = T_target_source.linear();
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = R;
-  adjoint.bottomRightCorner<3, 3>() = R;
-  adjoint.bottomLeftCorner<3, 3>() = Skew(T_target_source.translation()) * R;
-  return adjoint;
-}
 
 Prior Chained(const Prior& T_a_b, const Prior& T_b_c) {
   Prior T_a_c;

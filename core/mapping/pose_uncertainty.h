@@ -15,10 +15,6 @@
 
 namespace curvereg {
 
-// Maps a left perturbation in the source frame to the same one in the target frame:
-// T * Exp(delta_source) = Exp(Adjoint(T) * delta_source) * T.
-Matrix6d Adjoint(const RigidTransform& T_target_source);
-
 // T_a_c of T_a_b and T_b_c whose errors are independent; its covariance is unknown when either is.
 Prior Chained(const Prior& T_a_b, const Prior& T_b_c);
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/mapping/pose_graph_start.h"
 #include "core/mapping/pose_uncertainty.h"
 #include "core/mapping/segment_joins.h"
 #include "core/mapping/tracking.h"
@@ -48,9 +49,9 @@ TraverseGraph MakeGraph(const Traverse& traverse, const SegmentPlaces& places, c
 
 // Without a cycle every edge holds exactly, so there is nothing to weigh up.
 bool HasCycle(const PoseGraph& graph) {
-  DisjointSets sets(graph.T_graph_node.size());
+  ConnectedNodes connected(graph.T_graph_node.size());
   for (const PoseGraphEdge& edge : graph.edges) {
-    if (!sets.Unite(static_cast<size_t>(edge.source), static_cast<size_t>(edge.target))) return true;
+    if (!connected.Join(edge.source, edge.target)) return true;
   }
   return false;
 }

@@ -5,36 +5,13 @@
 #ifndef CURVEREG_CORE_MAPPING_SEGMENT_JOINS_H_
 #define CURVEREG_CORE_MAPPING_SEGMENT_JOINS_H_
 
-#include <algorithm>
 #include <cstddef>
 #include <map>
-#include <numeric>
 #include <set>
-#include <vector>
 
 #include "core/mapping/trajectory.h"
 
 namespace curvereg {
-
-// Union-find.
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), size_t{0}); }
-  size_t Find(size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  // False when they were one already.
-  bool Unite(size_t i, size_t j) {
-    const size_t root_i = Find(i);
-    const size_t root_j = Find(j);
-    parent_[std::max(root_i, root_j)] = std::min(root_i, root_j);
-    return root_i != root_j;
-  }
-
- private:
-  std::vector<size_t> parent_;
-};
 
 struct SegmentPlace {
   int root = 0;  // the lowest number of the segments that are connected with this one

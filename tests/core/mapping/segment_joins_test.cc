@@ -49,15 +49,6 @@ void Link(Traverse& traverse, uint64_t source, uint64_t target, double error_m =
   traverse.links.push_back(link);
 }
 
-TEST(DisjointSetsTest, UnitesToTheLowest) {
-  DisjointSets sets(5);
-  EXPECT_TRUE(sets.Unite(4, 2));
-  EXPECT_TRUE(sets.Unite(1, 4));
-  EXPECT_FALSE(sets.Unite(2, 1));
-  EXPECT_EQ(sets.Find(4), 1U);
-  EXPECT_EQ(sets.Find(3), 3U);
-}
-
 TEST(PlaceSegmentsTest, WithoutLinksEachStaysItsOwn) {
   Traverse traverse = ThreeSegments();
   Link(traverse, 4, 1, 0.0, false);  // rejected
