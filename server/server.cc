@@ -31,6 +31,9 @@
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/resolved_limits.h"
 #include "server/store/scan_store.h"
+#include "server/traverses/map_builder.h"
+#include "server/traverses/traverse_service.h"
+#include "server/traverses/traverses.h"
 #include "server/warm_up.h"
 
 namespace curvereg::server {
@@ -38,6 +41,7 @@ namespace {
 
 constexpr const char* kRegistrationServiceName = v1::RegistrationService::service_full_name();
 constexpr const char* kScanServiceName = v1::ScanService::service_full_name();
+constexpr const char* kTraverseServiceName = v1::TraverseService::service_full_name();
 constexpr int kDiskWorkers = 2;                                // one that writes, one that checks
 constexpr int kMaxDiskTasks = 1 << 20;                         // each open stream has at most one
 constexpr int kMessageOverheadBytes = 64 << 10;                // what a chunk's message has beside its data
@@ -71,11 +75,13 @@ class WholeServer final : public Server {
 
  private:
   absl::Status OpenStore();
+  absl::Status OpenTraverses();
   absl::Status OpenOperationsPort();
   absl::Status Listen();
   void AddServices(grpc::ServerBuilder& builder);
   void ExpireUploads(const std::stop_token& stop);
   CallEnvironment Calls();
+  TraverseEnvironment ForTraverses();
 
   const ServerConfig config_;
   const LimitsConfig limits_;
@@ -87,12 +93,15 @@ class WholeServer final : public Server {
   std::unique_ptr<ScanStore> store_;
   WorkerPool pool_;
   WorkerPool disk_pool_;
+  std::unique_ptr<Traverses> traverses_;
+  std::unique_ptr<MapBuilder> maps_;
   std::atomic<int> num_open_calls_ = 0;
   std::stop_source draining_;
   std::atomic<const char*> not_ready_ = "starting";  // empty: it is
   HealthService health_;
   std::unique_ptr<RegistrationService> registration_service_;
   std::unique_ptr<ScanService> scan_service_;
+  std::unique_ptr<TraverseService> traverse_service_;
   std::unique_ptr<grpc::Server> grpc_server_;
   std::unique_ptr<OpsServer> ops_;
   int port_ = 0;
@@ -106,6 +115,17 @@ CallEnvironment WholeServer::Calls() {
           .logger = logger_.get(),
           .num_open = &num_open_calls_,
           .draining = draining_.get_token()};
+}
+
+TraverseEnvironment WholeServer::ForTraverses() {
+  return {.limits = limits_,
+          .store = store_.get(),
+          .memory = &memory_,
+          .cache = &cache_,
+          .pool = &pool_,
+          .disk_pool = &disk_pool_,
+          .metrics = &metrics_,
+          .logger = logger_.get()};
 }
 
 absl::Status WholeServer::Open() {
@@ -124,9 +144,12 @@ absl::Status WholeServer::Open() {
   if (absl::Status status = OpenOperationsPort(); !status.ok()) return status;
   if (absl::Status status = OpenStore(); !status.ok()) return status;
   if (absl::Status status = WarmUp(); !status.ok()) return status;
+  if (absl::Status status = OpenTraverses(); !status.ok()) return status;
   if (absl::Status status = Listen(); !status.ok()) return status;
   expiry_ = std::jthread([this](const std::stop_token& stop) { ExpireUploads(stop); });
-  for (const char* service : {"", kRegistrationServiceName, kScanServiceName}) health_.SetServing(service, true);
+  for (const char* service : {"", kRegistrationServiceName, kScanServiceName, kTraverseServiceName}) {
+    health_.SetServing(service, true);
+  }
   not_ready_ = "";
   return absl::OkStatus();
 }
@@ -171,6 +194,18 @@ absl::Status WholeServer::OpenStore() {
   return absl::OkStatus();
 }
 
+absl::Status WholeServer::OpenTraverses() {
+  absl::StatusOr<std::unique_ptr<MapBuilder>> maps = MapBuilder::Open(config_.data_dir, ForTraverses());
+  if (!maps.ok()) return maps.status();
+  maps_ = *std::move(maps);
+  absl::StatusOr<std::unique_ptr<Traverses>> traverses = Traverses::Open(config_.data_dir, ForTraverses());
+  if (!traverses.ok()) return traverses.status();
+  traverses_ = *std::move(traverses);
+  metrics_.SetGauge("curvereg_traverses", "Traverses that are kept",
+                    [this] { return static_cast<double>(traverses_->num_traverses()); });
+  return absl::OkStatus();
+}
+
 void WholeServer::AddServices(grpc::ServerBuilder& builder) {
   registration_service_ = std::make_unique<RegistrationService>(RegistrationBackend{.calls = Calls(),
                                                                                     .limits = limits_,
@@ -186,8 +221,13 @@ void WholeServer::AddServices(grpc::ServerBuilder& builder) {
                                                             .disk_pool = &disk_pool_,
                                                             .memory = &memory_,
                                                             .cache = &cache_,
-                                                            .store = store_.get()});
+                                                            .store = store_.get(),
+                                                            .traverses = traverses_.get()});
   builder.RegisterService(scan_service_.get());
+  if (traverses_ == nullptr) return;
+  traverse_service_ = std::make_unique<TraverseService>(TraverseBackend{
+      .calls = Calls(), .traverse_environment = ForTraverses(), .traverses = traverses_.get(), .maps = maps_.get()});
+  builder.RegisterService(traverse_service_.get());
 }
 
 absl::Status WholeServer::Listen() {
@@ -252,6 +292,7 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
     // Calls that are left are cancelled, which reaches the core's loops. gRPC would wait for idle connections as well,
     // whose clients may take seconds to notice.
     if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
+    if (traverses_ != nullptr) traverses_->Close();
     pool_.Shutdown(std::chrono::steady_clock::now());
     disk_pool_.Shutdown(std::chrono::steady_clock::now());
     expiry_ = std::jthread();

@@ -137,6 +137,21 @@ struct Metrics::State {
   Counter& checksum =
       Counters("curvereg_checksum_failures_total", "Bytes refused for a wrong checksum or digest").Add({});
 
+  // All origins at once, so that they are there from the start.
+  CounterFamily& tracked_family =
+      Counters("curvereg_traverse_scans_total", "Scans of traverses that got a pose, by how they got it");
+  Counter& by_registration = tracked_family.Add({{"origin", "registered"}});
+  Counter& by_prior = tracked_family.Add({{"origin", "prior"}});
+  Counter& by_segment_start = tracked_family.Add({{"origin", "segment_start"}});
+  Histogram& tracking_latency = Histograms("curvereg_traverse_latency_seconds",
+                                           "Time from the acknowledgement of a traverse's scan to its pose [s]")
+                                    .Add({}, SecondsBuckets());
+  Counter& joined = Counters("curvereg_traverse_segments_joined_total", "Segments that became part of another").Add({});
+  Histogram& optimization =
+      Histograms("curvereg_traverse_optimization_seconds", "Wall time of a revision of a traverse's poses [s]")
+          .Add({}, SecondsBuckets());
+  Counter& events = Counters("curvereg_traverse_events_total", "Events of traverses").Add({});
+
   LabelledChildren<Counter> rejected{[this](const std::string& reason) -> Counter& {
     return rejected_family.Add({{"reason", reason}});
   }};
@@ -213,6 +228,23 @@ void Metrics::UploadCompleted(uint64_t num_bytes) {
 }
 
 void Metrics::ChecksumFailed() { state_->checksum.Increment(); }
+
+void Metrics::ScanTracked(v1::PoseOrigin origin, double latency_s) {
+  if (origin == v1::POSE_ORIGIN_REGISTERED) {
+    state_->by_registration.Increment();
+  } else if (origin == v1::POSE_ORIGIN_PRIOR) {
+    state_->by_prior.Increment();
+  } else {
+    state_->by_segment_start.Increment();
+  }
+  state_->tracking_latency.Observe(latency_s);
+}
+
+void Metrics::SegmentJoined() { state_->joined.Increment(); }
+
+void Metrics::TraverseOptimized(std::chrono::nanoseconds duration) { state_->optimization.Observe(Seconds(duration)); }
+
+void Metrics::TraverseEvents(uint64_t num_events) { state_->events.Increment(static_cast<double>(num_events)); }
 
 void Metrics::SetGauge(const std::string& name, const std::string& help, std::function<double()> read) {
   state_->SetReading(name, {prometheus::MetricType::Gauge, help, std::move(read)});

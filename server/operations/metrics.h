@@ -12,6 +12,7 @@
 #include <string>
 
 #include "core/registration_result.h"
+#include "curvereg/v1/traverse_service.pb.h"
 
 namespace curvereg::server {
 
@@ -34,6 +35,10 @@ class Metrics {
   void UploadResumed();
   void UploadCompleted(uint64_t num_bytes);
   void ChecksumFailed();
+  void ScanTracked(v1::PoseOrigin origin, double latency_s);  // from its acknowledgement
+  void SegmentJoined();
+  void TraverseOptimized(std::chrono::nanoseconds duration);
+  void TraverseEvents(uint64_t num_events);
 
   // Values asked for at each scrape: called on the operations port's thread.
   void SetGauge(const std::string& name, const std::string& help, std::function<double()> read);

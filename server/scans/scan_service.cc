@@ -3,10 +3,8 @@
 #include "server/scans/scan_service.h"
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
-#include "server/scans/disk_task.h"
 #include "server/scans/scan_conversion.h"
 #include "wire/error.h"
 
@@ -21,39 +19,6 @@ constexpr MethodTraits kDeleteScan = {kService, "DeleteScan", Scope::kWrite};
 
 constexpr int kDefaultPageSize = 100;
 constexpr int kMaxPageSize = 1000;
-
-// A call with one request and one answer, whose work is one task of the disk pool. Finish is called when the task is
-// over, by whoever has its end; nobody touches the object after that but gRPC.
-class UnaryScanCall final : public grpc::ServerUnaryReactor {
- public:
-  UnaryScanCall(const ScanBackend& backend, const MethodTraits& traits, grpc::CallbackServerContext& context)
-      : backend_(backend), call_(backend.calls, traits, context) {}
-
-  // `work` uses request and response, which gRPC keeps until OnDone.
-  grpc::ServerUnaryReactor* Start(std::function<absl::Status()> work) {
-    call_.CountReceived();
-    if (call_.admitted().ok()) {
-      RunOnDiskPool(*backend_.disk_pool, call_, {std::move(work), [this](const absl::Status& status) { End(status); }});
-    } else {
-      End(call_.admitted());
-    }
-    return this;
-  }
-
-  void OnCancel() override { call_.Cancel(); }  // a task that waits is dropped; one that runs ends soon
-  void OnDone() override { delete this; }
-
- private:
-  ~UnaryScanCall() override = default;
-
-  void End(const absl::Status& status) {
-    if (status.ok()) call_.CountSent();
-    Finish(call_.Finish(status));
-  }
-
-  const ScanBackend& backend_;
-  Call call_;
-};
 
 absl::Status GetUploadWork(ScanStore& store, const v1::GetUploadRequest& request, v1::GetUploadResponse& response) {
   const absl::StatusOr<std::string> id = UploadIdOf(request.upload(), "upload");
@@ -89,7 +54,8 @@ absl::Status ListScansWork(ScanStore& store, const v1::ListScansRequest& request
 absl::Status DeleteScanWork(const ScanBackend& backend, const v1::DeleteScanRequest& request) {
   const absl::StatusOr<std::string> id = ScanIdOf(request.name(), "name");
   if (!id.ok()) return id.status();
-  const absl::Status deleted = backend.store->DeleteScan(*id);
+  const absl::Status deleted =
+      backend.traverses != nullptr ? backend.traverses->DeleteScan(*id) : backend.store->DeleteScan(*id);
   if (deleted.ok() && backend.cache != nullptr) backend.cache->Erase(request.name());
   return deleted;
 }
@@ -113,32 +79,34 @@ grpc::ServerWriteReactor<v1::DownloadScanResponse>* ScanService::DownloadScan(gr
   return new DownloadStream(downloads_, *context, *request);
 }
 
+UnaryDiskCall* ScanService::NewCall(const MethodTraits& traits, grpc::CallbackServerContext& context) const {
+  return new UnaryDiskCall(*backend_.disk_pool, backend_.calls, traits, context);
+}
+
 grpc::ServerUnaryReactor* ScanService::GetUpload(grpc::CallbackServerContext* context,
                                                  const v1::GetUploadRequest* request, v1::GetUploadResponse* response) {
-  return (new UnaryScanCall(backend_, kGetUpload, *context))->Start([this, request, response] {
+  return NewCall(kGetUpload, *context)->Start([this, request, response] {
     return GetUploadWork(*backend_.store, *request, *response);
   });
 }
 
 grpc::ServerUnaryReactor* ScanService::GetScan(grpc::CallbackServerContext* context, const v1::GetScanRequest* request,
                                                v1::GetScanResponse* response) {
-  return (new UnaryScanCall(backend_, kGetScan, *context))->Start([this, request, response] {
+  return NewCall(kGetScan, *context)->Start([this, request, response] {
     return GetScanWork(*backend_.store, *request, *response);
   });
 }
 
 grpc::ServerUnaryReactor* ScanService::ListScans(grpc::CallbackServerContext* context,
                                                  const v1::ListScansRequest* request, v1::ListScansResponse* response) {
-  return (new UnaryScanCall(backend_, kListScans, *context))->Start([this, request, response] {
+  return NewCall(kListScans, *context)->Start([this, request, response] {
     return ListScansWork(*backend_.store, *request, *response);
   });
 }
 
 grpc::ServerUnaryReactor* ScanService::DeleteScan(grpc::CallbackServerContext* context,
                                                   const v1::DeleteScanRequest* request, v1::DeleteScanResponse*) {
-  return (new UnaryScanCall(backend_, kDeleteScan, *context))->Start([this, request] {
-    return DeleteScanWork(backend_, *request);
-  });
+  return NewCall(kDeleteScan, *context)->Start([this, request] { return DeleteScanWork(backend_, *request); });
 }
 
 }  // namespace curvereg::server

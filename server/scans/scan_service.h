@@ -8,6 +8,7 @@
 #include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/call.h"
 #include "server/scans/download_stream.h"
+#include "server/scans/unary_disk_call.h"
 #include "server/scans/upload_session.h"
 #include "server/scans/upload_stream.h"
 #include "server/scheduling/memory_budget.h"
@@ -15,6 +16,7 @@
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
 #include "server/store/scan_store.h"
+#include "server/traverses/traverses.h"
 
 namespace curvereg::server {
 
@@ -26,6 +28,7 @@ struct ScanBackend {
   MemoryBudget* memory = nullptr;
   PreparedScanCache* cache = nullptr;  // DeleteScan forgets there, too
   ScanStore* store = nullptr;
+  Traverses* traverses = nullptr;  // null: there are none; else their scans are not deleted
 };
 
 // As protobuf's CallbackService, but for the raw messages of UploadScan.
@@ -52,6 +55,8 @@ class ScanService final : public ScanServiceBase {
                                        v1::DeleteScanResponse* response) override;
 
  private:
+  UnaryDiskCall* NewCall(const MethodTraits& traits, grpc::CallbackServerContext& context) const;
+
   const ScanBackend backend_;
   UploadOwners upload_owners_;
   const UploadStream::Environment uploads_;

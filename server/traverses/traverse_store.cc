@@ -169,12 +169,13 @@ absl::StatusOr<std::optional<AcknowledgedScan>> TraverseStore::FindScan(int64_t 
   return std::optional<AcknowledgedScan>(std::move(rows->front()));
 }
 
-absl::StatusOr<std::vector<AcknowledgedScan>> TraverseStore::Scans(int64_t number, uint64_t first) {
+absl::StatusOr<std::vector<AcknowledgedScan>> TraverseStore::Scans(int64_t number, uint64_t first, int64_t max_scans) {
   const std::lock_guard lock(reader_mutex_);
   MessageReader reader;
   return reader.Checked(CollectRows(
-      reader_.Prepare("SELECT header, scan_id, time_ns FROM scans WHERE traverse=?1 AND sequence>=?2 ORDER BY sequence",
-                      {number, Signed(first)}),
+      reader_.Prepare("SELECT header, scan_id, time_ns FROM scans WHERE traverse=?1 AND sequence>=?2 ORDER BY sequence "
+                      "LIMIT ?3",
+                      {number, Signed(first), max_scans}),
       [&](const SqlStatement& row) { return ScanOf(reader, row); }));
 }
 

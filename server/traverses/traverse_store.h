@@ -83,8 +83,8 @@ class TraverseStore {
 
   absl::Status AddScan(const TraverseRecord& record, const AcknowledgedScan& scan);
   absl::StatusOr<std::optional<AcknowledgedScan>> FindScan(int64_t number, uint64_t sequence_number);
-  // From `first` on, by sequence number.
-  absl::StatusOr<std::vector<AcknowledgedScan>> Scans(int64_t number, uint64_t first);
+  // From `first` on, by sequence number, at most `max_scans`.
+  absl::StatusOr<std::vector<AcknowledgedScan>> Scans(int64_t number, uint64_t first, int64_t max_scans);
   absl::StatusOr<bool> IsScanUsed(const std::string& scan_id);
   // Scans of removed traverses that nothing used then, to be removed from the store of scans; until Spare.
   absl::StatusOr<std::vector<std::string>> DoomedScans();

@@ -55,7 +55,9 @@ class Traverses {
   // last process died are queued. Errors as ScanStore::Open.
   static absl::StatusOr<std::unique_ptr<Traverses>> Open(const std::string& data_dir,
                                                          const TraverseEnvironment& environment);
-  virtual ~Traverses() = default;  // cancels what runs and waits for it
+  virtual ~Traverses() = default;  // Close
+  // Cancels what runs and waits for it; what is not done is done after the next Open. Nothing can be changed after it.
+  virtual void Close() {}
 
   // INVALID_FIELD, TRAVERSE_EXISTS, TOO_MANY_TRAVERSES; all that take a name: TRAVERSE_NOT_FOUND.
   virtual absl::StatusOr<v1::Traverse> Create(const v1::CreateTraverseRequest& request) = 0;
@@ -102,6 +104,9 @@ class Traverses {
     std::vector<RigidTransform> T_segment_scan;
   };
   virtual absl::StatusOr<MapSource> SourceOfMap(const std::string& name, uint32_t segment) = 0;
+
+  // Removes a scan from the store of scans. SCAN_IN_USE; errors of ScanStore::DeleteScan.
+  virtual absl::Status DeleteScan(const std::string& /*scan_id*/) { return absl::OkStatus(); }
 
   virtual uint64_t num_traverses() = 0;
 };
