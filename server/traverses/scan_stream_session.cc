@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "server/scans/scan_conversion.h"
 #include "server/store/scan_identity.h"
+#include "server/traverses/traverse_conversion.h"
 #include "wire/cloud_header.h"
-#include "wire/conversion.h"
 #include "wire/digest.h"
 #include "wire/error.h"
 
@@ -25,12 +25,6 @@ absl::Status OffsetError(std::string_view message, uint64_t committed_offset) {
                          {{"committed_offset", absl::StrCat(committed_offset)}});
 }
 
-absl::Status ValidatePrior(const v1::Prior& prior) {
-  v1::RegistrationOptions options;
-  *options.mutable_prior() = prior;
-  return wire::FromWire(options, 0).status();
-}
-
 absl::Status ValidateScanHeader(const v1::StreamedScanHeader& header, const LimitsConfig& limits) {
   if (!header.has_header()) return wire::FieldError("header", "is missing");
   if (header.payload_bytes() == 0) return wire::FieldError("payload_bytes", "must be above 0");
@@ -40,7 +34,7 @@ absl::Status ValidateScanHeader(const v1::StreamedScanHeader& header, const Limi
   if (!header.has_payload_digest()) return wire::FieldError("payload_digest", "is missing");
   valid = wire::ValidateDigest(header.payload_digest());
   if (!valid.ok()) return wire::WithinField("payload_digest", std::move(valid));
-  return header.has_prior() ? ValidatePrior(header.prior()) : absl::OkStatus();
+  return PriorOf(header).status();
 }
 
 }  // namespace
@@ -68,9 +62,10 @@ ScanStreamSession::Answer ScanStreamSession::Handle(v1::StreamScansRequest& requ
 }
 
 ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& start) {
+  if (const absl::Status named = TraverseIdOf(start.traverse(), "start.traverse").status(); !named.ok()) return named;
   Traverses& traverses = *environment_.traverses;
   absl::StatusOr<StreamTicket> ticket = traverses.BeginStream(start.traverse(), replaced_);
-  if (!ticket.ok()) return wire::WithinField("start", ticket.status());
+  if (!ticket.ok()) return ticket.status();
   if (start.has_last_result_sequence_number()) {
     const uint64_t last = start.last_result_sequence_number();
     if (last >= ticket->next_sequence_number + ticket->reorder_window) {
