@@ -19,6 +19,7 @@
 
 #include "curvereg/v1/registration_service.grpc.pb.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
+#include "tests/testing/patience.h"
 #include "tests/testing/server_process.h"
 #include "tests/testing/simulated.h"
 #include "tests/testing/test_data.h"
@@ -226,7 +227,7 @@ class Crashes {
 TEST(ServerCrashTest, WhatWasAcknowledgedIsThereAfterKill9) {
   Crashes crashes;
   std::mt19937 random(20261122);
-  std::uniform_int_distribution<int> lifetime_ms(5, 250);
+  std::uniform_int_distribution<int> lifetime_ms(5, 250 * testing::kPatience);  // some registrations end
   for (int i = 0; i < NumKills(); ++i) {
     SCOPED_TRACE(i);
     ASSERT_NO_FATAL_FAILURE(crashes.Round(std::chrono::milliseconds(lifetime_ms(random))));
