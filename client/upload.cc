@@ -5,15 +5,18 @@
 #include <algorithm>
 #include <bit>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/remote_scan.h"
 #include "client/retry.h"
 #include "client/upload_stream.h"
 #include "wire/digest.h"
+#include "wire/error.h"
 
 namespace curvereg::internal {
 namespace {
@@ -24,6 +27,13 @@ std::string RandomUploadName() {
   const auto draw = [&device](int num_bits) { return device() >> (32 - num_bits); };
   return absl::StrFormat("uploads/%08x-%04x-4%03x-%04x-%04x%08x", draw(32), draw(16), draw(12), 0x8000U | draw(14),
                          draw(16), draw(32));
+}
+
+// The same for the same scan, so that a call goes on from where an earlier one stopped that came to nothing, in
+// whatever process that was. Needs no more: other bytes under the name would not have the digest.
+std::string UploadNameOf(const v1::UploadScanStart& start) {
+  const v1::Digest digest = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, start.SerializeAsString());
+  return absl::StrCat("uploads/", wire::HexText(digest.value()));
 }
 
 absl::Status ValidateTransferOptions(const TransferOptions& options) {
@@ -67,8 +77,11 @@ class Upload {
         share_base_(source_.payload.bytes.size()) {}
 
   absl::StatusOr<UploadOutcome> Run() {
-    const absl::Status status =
-        retrier_.Run([this](const std::shared_ptr<grpc::Channel>& channel) { return RunStream(channel); });
+    absl::Status status = RunStreams();
+    if (NeedsOwnName(status)) {
+      StartAnew();
+      status = RunStreams();
+    }
     if (!status.ok()) return status;
     return UploadOutcome{FromWire(state_.done->scan()), state_.done->already_stored(),
                          ProgressOf(state_, source_, num_resumes())};
@@ -76,6 +89,26 @@ class Upload {
 
  private:
   int num_resumes() const { return retrier_.num_attempts() - 1; }
+
+  absl::Status RunStreams() {
+    return retrier_.Run([this](const std::shared_ptr<grpc::Channel>& channel) { return RunStream(channel); });
+  }
+
+  // Somebody else uploads the same and is not to be fought, or what somebody else left under the name is wrong.
+  bool NeedsOwnName(const absl::Status& error) const {
+    const std::optional<v1::ErrorReason> reason = wire::ReasonOf(error);
+    return reason == v1::ERROR_REASON_WRITER_REPLACED || reason == v1::ERROR_REASON_UPLOAD_DIFFERS ||
+           (reason == v1::ERROR_REASON_DIGEST_MISMATCH && state_.has_others_bytes);
+  }
+
+  void StartAnew() {
+    source_.start.set_upload(RandomUploadName());
+    state_.committed = 0;
+    state_.has_others_bytes = false;
+    most_committed_ = 0;
+    share_base_ = source_.payload.bytes.size();
+    retrier_.NoteProgress();
+  }
 
   absl::Status RunStream(const std::shared_ptr<grpc::Channel>& channel) {
     const ClientOptions& settings = connection_.options();
@@ -99,7 +132,7 @@ class Upload {
   }
 
   Connection& connection_;
-  const UploadSource source_;
+  UploadSource source_;
   const TransferOptions& options_;
   Retrier retrier_;
   UploadState state_;
@@ -117,10 +150,10 @@ absl::StatusOr<UploadOutcome> UploadScan(Connection& connection, const curvereg:
   LentBytes lender;  // waits in the end until gRPC has read what is the caller's
   UploadSource source = *std::move(encoded);
   if (source.payload.owner == nullptr) source.payload.lender = &lender;
-  source.start.set_upload(RandomUploadName());
   source.start.mutable_header()->set_frame_id(options.frame_id);
   source.start.set_payload_bytes(source.payload.bytes.size());
   *source.start.mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, source.payload.bytes);
+  source.start.set_upload(UploadNameOf(source.start));
   return Upload(connection, std::move(source), options).Run();
 }
 

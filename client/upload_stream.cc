@@ -109,6 +109,7 @@ bool UploadStream::TakeReady(const v1::UploadScanReady& ready) {
   // May lie before what was acknowledged: a server that lost its disk, say. Then that is sent again.
   state_.committed = offset_;
   max_chunk_bytes_ = ready.max_chunk_bytes() == 0 ? UINT32_MAX : ready.max_chunk_bytes();
+  if (offset_ > state_.sent_end) state_.has_others_bytes = true;
   if (state_.sent_end > offset_) state_.bytes_resent += state_.sent_end - offset_;
   return true;
 }

@@ -34,9 +34,10 @@ struct UploadSource {
 
 // How far it got; kept from stream to stream.
 struct UploadState {
-  uint64_t committed = 0;     // acknowledged
-  uint64_t sent_end = 0;      // greatest offset ever sent
-  uint64_t bytes_resent = 0;  // sent more than once
+  uint64_t committed = 0;         // acknowledged
+  uint64_t sent_end = 0;          // greatest offset ever sent
+  uint64_t bytes_resent = 0;      // sent more than once
+  bool has_others_bytes = false;  // the server had bytes that were never sent here
   std::optional<v1::UploadScanDone> done;
 };
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <limits>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -93,7 +94,7 @@ TEST(UploadTest, BringsEveryByteOverAndTellsProgress) {
   EXPECT_EQ(outcome->transfer.bytes_done, memory.bytes.size());
   EXPECT_EQ(outcome->transfer.bytes_resent, 0U);
   EXPECT_EQ(outcome->transfer.num_resumes, 0);
-  EXPECT_EQ(memory.upload.size(), std::string("uploads/").size() + 36);
+  EXPECT_EQ(memory.upload.size(), std::string("uploads/").size() + 32);
   ASSERT_FALSE(told.empty());
   for (size_t i = 1; i < told.size(); ++i) EXPECT_GT(told[i].bytes_done, told[i - 1].bytes_done);
   EXPECT_EQ(told.back().bytes_done, memory.bytes.size());
@@ -150,6 +151,66 @@ TEST(UploadTest, SendsNothingWhereTheScanIsKnown) {
   EXPECT_EQ(outcome->scan.name, "scans/known");
 }
 
+// The name that a call starts with, at a server that does not let it get further.
+std::string NameOfUpload(const Scan& scan, const TransferOptions& options) {
+  std::string name;
+  const ScriptedServer server(WithUpload([&](auto&, auto& stream) {
+    v1::UploadScanRequest request;
+    stream.Read(&request);
+    name = request.start().upload();
+    return Refusal(v1::ERROR_REASON_STORAGE_FULL);
+  }));
+  EXPECT_FALSE(ConnectTo(server.target())->UploadScan(scan, options).ok());
+  return name;
+}
+
+TEST(UploadTest, TheNameTellsTheScan) {
+  const std::string name = NameOfUpload(StrewnScan(), Raw());
+  EXPECT_EQ(NameOfUpload(StrewnScan(), Raw()), name);
+  Scan scan = StrewnScan();
+  scan.points.back().x() += 1.0F;
+  EXPECT_NE(NameOfUpload(scan, Raw()), name);
+  TransferOptions options = Raw();
+  options.frame_id = "mast";
+  EXPECT_NE(NameOfUpload(StrewnScan(), options), name);
+}
+
+TEST(UploadTest, GoesOnFromWhereADeadClientStopped) {
+  UploadMemory memory;
+  const ScriptedServer server(WithUpload([&](auto&, auto& stream) { return Keep(memory, stream); }));
+  const Scan scan = StrewnScan(300'000);
+  std::stop_source death;
+  TransferOptions options = Raw();
+  options.cancellation = death.get_token();
+  memory.cut_after = 3;
+  options.progress = [&](const TransferProgress&) { death.request_stop(); };
+  EXPECT_TRUE(absl::IsCancelled(ConnectTo(server.target())->UploadScan(scan, options).status()));
+  const uint64_t committed = memory.bytes.size();
+  ASSERT_GT(committed, 0U);
+  memory.cut_after = 1'000'000;
+  const auto outcome = ConnectTo(server.target())->UploadScan(scan, Raw());  // Keep expects the name and the offset
+  ASSERT_TRUE(outcome.ok()) << outcome.status();
+  EXPECT_EQ(memory.bytes, std::string(reinterpret_cast<const char*>(scan.points.data()), 12 * scan.points.size()));
+  EXPECT_EQ(outcome->transfer.bytes_resent, 0U);
+}
+
+TEST(UploadTest, LeavesTheNameToAnotherWriter) {
+  UploadMemory memory;
+  std::string first;
+  const ScriptedServer server(WithUpload([&](auto&, auto& stream) {
+    if (!first.empty()) return Keep(memory, stream);
+    v1::UploadScanRequest request;
+    stream.Read(&request);
+    first = request.start().upload();
+    return Refusal(v1::ERROR_REASON_WRITER_REPLACED);
+  }));
+  const Scan scan = StrewnScan();
+  const auto outcome = ConnectTo(server.target())->UploadScan(scan, Raw());
+  ASSERT_TRUE(outcome.ok()) << outcome.status();
+  EXPECT_NE(memory.upload, first);
+  EXPECT_EQ(memory.bytes.size(), 12 * scan.points.size());
+}
+
 TEST(UploadTest, DoesNotFightAnotherWriter) {
   std::atomic<int> num_streams = 0;
   const ScriptedServer server(WithUpload([&](auto&, auto&) {
@@ -159,7 +220,33 @@ TEST(UploadTest, DoesNotFightAnotherWriter) {
   const auto outcome = ConnectTo(server.target())->UploadScan(StrewnScan());
   EXPECT_TRUE(absl::IsAborted(outcome.status())) << outcome.status();
   EXPECT_EQ(ErrorReasonName(outcome.status()), "WRITER_REPLACED");
-  EXPECT_EQ(num_streams, 1);
+  EXPECT_EQ(num_streams, 2) << "once under the scan's name, once under its own";
+}
+
+TEST(UploadTest, StartsAnewWhereWhatOthersLeftIsWrong) {
+  std::vector<std::string> names;
+  const auto run = [&](uint64_t left_bytes) {
+    names.clear();
+    const ScriptedServer server(WithUpload([&](auto&, auto& stream) {
+      v1::UploadScanRequest request;
+      v1::UploadScanResponse response;
+      stream.Read(&request);
+      names.push_back(request.start().upload());
+      response.mutable_ready()->set_committed_offset(names.size() == 1 ? left_bytes : 0);
+      stream.Write(response);
+      while (stream.Read(&request) && request.has_chunk()) {
+        response.mutable_progress()->set_committed_offset(request.chunk().offset() + request.chunk().data().size());
+        stream.Write(response);
+      }
+      return Refusal(v1::ERROR_REASON_DIGEST_MISMATCH);
+    }));
+    return ErrorReasonName(ConnectTo(server.target())->UploadScan(StrewnScan(), Raw()).status());
+  };
+  EXPECT_EQ(run(1'200), "DIGEST_MISMATCH");
+  ASSERT_EQ(names.size(), 2U);
+  EXPECT_NE(names[0], names[1]);
+  EXPECT_EQ(run(0), "DIGEST_MISMATCH");
+  EXPECT_EQ(names.size(), 1U) << "all bytes were its own";
 }
 
 TEST(UploadTest, GivesUpWhenThereIsNoProgress) {
