@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -118,6 +119,47 @@ TEST_F(LinkTest, AnUploadSurvivesFrequentCutsOnAQuickLink) {
   ASSERT_TRUE(outcome.ok()) << outcome.status();
   EXPECT_GE(outcome->transfer.num_resumes, 2);
   EXPECT_EQ(outcome->scan.content_digest, ScanDigest(scan));
+}
+
+TEST_F(LinkTest, ANewClientGoesOnFromWhereADeadOneStopped) {
+  const Scan scan = ScanOfBytes(6'000'000, 8);
+  std::stop_source death;
+  uint64_t committed = 0;
+  TransferOptions options = Raw();
+  options.cancellation = death.get_token();
+  options.progress = [&](const TransferProgress& progress) {
+    committed = progress.bytes_done;
+    if (2 * committed >= progress.bytes_total) death.request_stop();
+  };
+  Open({.one_way_delay = milliseconds(5), .bytes_per_second = 8e6});
+  EXPECT_TRUE(absl::IsCancelled(client_->UploadScan(scan, options).status()));
+  client_.reset();
+  ASSERT_GE(committed, 3'000'000U);
+  ASSERT_LT(committed, 5'900'000U);
+  Open({});
+  const auto outcome = client_->UploadScan(scan, Raw());
+  ASSERT_TRUE(outcome.ok()) << outcome.status();
+  EXPECT_FALSE(outcome->already_stored);
+  EXPECT_EQ(outcome->scan.content_digest, ScanDigest(scan));
+  // Counted on the link itself, with all headers: of what was committed nothing came again.
+  const uint64_t sent = proxy_->statistics().bytes_to_server;
+  std::printf("%llu bytes committed before, %llu over the link afterwards\n",
+              static_cast<unsigned long long>(committed), static_cast<unsigned long long>(sent));
+  EXPECT_LE(static_cast<double>(sent), 1.01 * (6'000'000.0 - static_cast<double>(committed)) + 10'000.0);
+}
+
+TEST_F(LinkTest, TwoClientsThatUploadTheSameBothSucceed) {
+  Open({.one_way_delay = milliseconds(5), .bytes_per_second = 8e6});
+  const Scan scan = ScanOfBytes(3'000'000, 9);
+  absl::StatusOr<UploadOutcome> first, second;
+  {
+    const std::jthread other([&] { first = client_->UploadScan(scan, Raw()); });
+    second = client_->UploadScan(scan, Raw());
+  }
+  ASSERT_TRUE(first.ok()) << first.status();
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_EQ(first->scan.name, second->scan.name);
+  EXPECT_NE(first->already_stored, second->already_stored) << "stored once";
 }
 
 TEST_F(LinkTest, ADownloadSurvivesFrequentCuts) {
