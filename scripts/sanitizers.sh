@@ -18,9 +18,9 @@ cmake --preset "$preset"
 targets=(all)
 selected=()
 if [ "$preset" = tsan ]; then
-  selected=(-R '^(server|client|wire)/|^integration/(server_|store_crash|cli_server|tls)|^testing/tsan_grpc')
+  selected=(-R '^(server|client|wire)/|^integration/(server_|store_crash|cli_server|traverse_(cli|link)|tls)|^testing/tsan_grpc')
   mapfile -t targets < <(ninja -C "$build" -t targets all |
-    grep -oE '^tests/((server|client|wire)_|integration_(server|store_crash|cli_server|tls)|testing_tsan_grpc)[a-z0-9_]*test')
+    grep -oE '^tests/((server|client|wire)_|integration_(server|store_crash|cli_server|traverse_(cli|link)|tls)|testing_tsan_grpc)[a-z0-9_]*test')
 fi
 ninja -C "$build" -j "$jobs" "${targets[@]}"
 
