@@ -16,6 +16,9 @@
 namespace curvereg::server {
 namespace {
 
+// What is counted, hashed and written in one go, so that the processor's own cache still has it.
+constexpr uint64_t kBlockBytes = 256 * 1024;
+
 absl::Status OrderError(std::string_view message) {
   return wire::MakeError(v1::ERROR_REASON_UNEXPECTED_MESSAGE, message);
 }
@@ -176,13 +179,34 @@ absl::StatusOr<v1::UploadScanResponse> UploadSession::Append(const UploadMessage
     environment_.metrics->ChecksumFailed();
     return wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "a chunk does not have the CRC-32C that came with it");
   }
-  if (const absl::Status appended = writer_->Append(chunk.offset(), data); !appended.ok()) return appended;
-  if (finite_points_.has_value()) {
-    for (const std::string_view piece : data) finite_points_->Update(piece);
-  }
+  if (const absl::Status stored = Store(data); !stored.ok()) return stored;
   v1::UploadScanResponse response;
   response.mutable_progress()->set_committed_offset(writer_->committed_offset());
   return response;
+}
+
+absl::Status UploadSession::Store(std::span<const std::string_view> pieces) {
+  std::vector<std::string_view> block;
+  uint64_t size = 0;
+  for (std::string_view piece : pieces) {
+    while (!piece.empty()) {
+      block.push_back(piece.substr(0, kBlockBytes - size));
+      size += block.back().size();
+      piece.remove_prefix(block.back().size());
+      if (size < kBlockBytes) continue;
+      if (const absl::Status stored = StoreBlock(block); !stored.ok()) return stored;
+      block.clear();
+      size = 0;
+    }
+  }
+  return StoreBlock(block);
+}
+
+absl::Status UploadSession::StoreBlock(std::span<const std::string_view> pieces) {
+  if (finite_points_.has_value()) {
+    for (const std::string_view piece : pieces) finite_points_->Update(piece);
+  }
+  return writer_->Append(writer_->committed_offset(), pieces);
 }
 
 absl::Status UploadSession::OffsetError(std::string_view message) const {

@@ -11,8 +11,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 
 #include "absl/status/statusor.h"
@@ -69,6 +71,8 @@ class UploadSession {
  private:
   absl::StatusOr<v1::UploadScanResponse> Start(v1::UploadScanStart& start);
   absl::StatusOr<v1::UploadScanResponse> Append(const UploadMessage& message);
+  absl::Status Store(std::span<const std::string_view> pieces);
+  absl::Status StoreBlock(std::span<const std::string_view> pieces);
   absl::StatusOr<v1::UploadScanResponse> Finish(const v1::UploadScanFinish& finish);
   absl::StatusOr<std::optional<StoredScan>> FindKnown() const;
   absl::StatusOr<v1::UploadScanResponse> DecodeAndCommit(const v1::Digest& declared);
