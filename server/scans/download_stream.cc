@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
-#include "server/scans/disk_task.h"
 #include "server/scans/scan_conversion.h"
 #include "wire/error.h"
 
@@ -17,39 +16,22 @@ namespace {
 constexpr MethodTraits kTraits = {v1::ScanService::service_full_name(), "DownloadScan", Scope::kRead};
 constexpr uint64_t kLeastChunkBytes = 1024;  // each chunk costs a look into the store
 
-absl::Status Interruption() { return absl::CancelledError("the caller cancelled or is gone"); }
-
 }  // namespace
 
 DownloadStream::DownloadStream(const Environment& environment, grpc::CallbackServerContext& context,
                                const v1::DownloadScanRequest& request)
-    : environment_(environment), request_(request), call_(environment.calls, kTraits, context) {
-  call_.CountReceived();
-  std::unique_lock lock(mutex_);
-  if (!call_.admitted().ok()) End(call_.admitted());
-  Advance(std::move(lock));
+    : ResponseStream(environment.calls, kTraits, context), environment_(environment), request_(request) {
+  Begin();
 }
 
-void DownloadStream::OnWriteDone(bool ok) {
-  std::unique_lock lock(mutex_);
-  writing_ = false;
-  if (!ok) End(Interruption());
-  Advance(std::move(lock));
+absl::StatusOr<DownloadStream::Next> DownloadStream::Make(std::deque<v1::DownloadScanResponse>& made) {
+  v1::DownloadScanResponse& response = made.emplace_back();
+  const absl::Status status = scan_.has_value() ? ReadChunk(response) : OpenScan(response);
+  if (!status.ok()) return status;
+  return offset_ < scan_->payload_bytes ? Next::kMore : Next::kEnd;
 }
 
-void DownloadStream::OnCancel() {
-  {
-    const std::lock_guard lock(mutex_);
-    End(Interruption());
-  }
-  // Drops a task that waits, on this thread, which comes back by OnWorked.
-  call_.Cancel();
-  Advance(std::unique_lock(mutex_));
-}
-
-absl::Status DownloadStream::Work() { return scan_.has_value() ? ReadChunk() : OpenScan(); }
-
-absl::Status DownloadStream::OpenScan() {
+absl::Status DownloadStream::OpenScan(v1::DownloadScanResponse& response) {
   const absl::StatusOr<std::string> id = ScanIdOf(request_.name(), "name");
   if (!id.ok()) return id.status();
   absl::StatusOr<StoredScan> scan = environment_.store->GetScan(*id);
@@ -64,19 +46,19 @@ absl::Status DownloadStream::OpenScan() {
     if (!digester.ok()) return digester.status();
     digester_ = *std::move(digester);
   }
-  *next_.mutable_scan() = ToWire(*scan);
+  *response.mutable_scan() = ToWire(*scan);
   scan_ = *std::move(scan);
   return absl::OkStatus();
 }
 
-absl::Status DownloadStream::ReadChunk() {
+absl::Status DownloadStream::ReadChunk(v1::DownloadScanResponse& response) {
   const uint64_t max_bytes = environment_.limits.max_chunk_bytes;
   const uint64_t wanted =
       request_.chunk_bytes() == 0 ? max_bytes : std::max<uint64_t>(request_.chunk_bytes(), kLeastChunkBytes);
   const uint64_t size = std::min(wanted, max_bytes);
   absl::StatusOr<std::string> data = environment_.store->ReadPayload(scan_->id, offset_, size);
   if (!data.ok()) return data.status();
-  v1::PayloadChunk& chunk = *next_.mutable_chunk();
+  v1::PayloadChunk& chunk = *response.mutable_chunk();
   chunk.set_offset(offset_);
   chunk.set_crc32c(wire::Crc32c(*data));
   offset_ += data->size();
@@ -88,46 +70,6 @@ absl::Status DownloadStream::ReadChunk() {
   }
   chunk.set_data(*std::move(data));
   return absl::OkStatus();
-}
-
-void DownloadStream::OnWorked(const absl::Status& status) {
-  std::unique_lock lock(mutex_);
-  working_ = false;
-  ready_ = status.ok();
-  if (!status.ok()) End(status);
-  Advance(std::move(lock));
-}
-
-void DownloadStream::End(const absl::Status& status) {
-  if (!end_.has_value()) end_ = status;
-}
-
-void DownloadStream::Advance(std::unique_lock<std::mutex> lock) {
-  if (!end_.has_value() && ready_ && !writing_) {
-    ready_ = false;
-    writing_ = true;
-    written_.Swap(&next_);
-    call_.CountSent();
-    StartWrite(&written_);
-  }
-  if (!working_ && !ready_ && scan_.has_value() && offset_ == scan_->payload_bytes && !writing_) End(absl::OkStatus());
-  if (end_.has_value()) {
-    // What is still out comes back here.
-    if (working_ || writing_ || finished_) return;
-    finished_ = true;
-    const grpc::Status status = call_.Finish(*end_);
-    lock.unlock();
-    Finish(status);
-    return;
-  }
-  const bool work = !working_ && !ready_ && !(scan_.has_value() && offset_ == scan_->payload_bytes);
-  working_ = working_ || work;
-  lock.unlock();
-  // Without the lock, for the task may be refused or dropped at once. Until OnWorked nobody finishes the call.
-  if (work) {
-    RunOnDiskPool(*environment_.disk_pool, call_,
-                  {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});
-  }
 }
 
 }  // namespace curvereg::server
