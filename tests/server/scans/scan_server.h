@@ -49,6 +49,7 @@ class ScanServer {
   server::PreparedScanCache& cache() { return *cache_; }
   server::WorkerPool& disk_pool() { return *disk_pool_; }
   const server::Metrics& metrics() const { return metrics_; }
+  server::Metrics& metrics() { return metrics_; }
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
