@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any bytes as any message of the services, through the decoding and validation that the server (and, of answers, the
-// client) does. The first byte picks the message, the rest is what came on the wire; an upload is a row of messages,
-// each after its length in two bytes.
+// client) does. The first byte picks the message, the rest is what came on the wire; an upload, as a stream of scans,
+// is a row of messages, each after its length in two bytes.
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -16,6 +15,7 @@
 #include "curvereg/v1/registration_service.pb.h"
 #include "curvereg/v1/scan_service.pb.h"
 #include "fuzz/memory_scan_store.h"
+#include "fuzz/request_checks.h"
 #include "server/operations/metrics.h"
 #include "server/registration/registration_service.h"
 #include "server/registration/scan_side.h"
@@ -24,7 +24,6 @@
 #include "server/scans/upload_session.h"
 #include "server/scheduling/memory_budget.h"
 #include "server/scheduling/prepared_scan_cache.h"
-#include "server/settings/server_config.h"
 #include "server/store/page_token.h"
 #include "wire/conversion.h"
 #include "wire/digest.h"
@@ -33,31 +32,6 @@
 
 namespace curvereg::server {
 namespace {
-
-// Small enough that no input takes long, large enough that every limit can be met and passed.
-LimitsConfig FuzzLimits() {
-  LimitsConfig limits;
-  limits.max_scan_points = 100'000;
-  limits.max_scan_bytes = uint64_t{1} << 20;
-  limits.max_chunk_bytes = 4096;
-  return limits;
-}
-
-void Require(bool condition) {
-  if (!condition) std::abort();
-}
-
-// Whatever came, it is the caller's fault, said with a reason, and where a field is to blame the field is named.
-void CheckError(const absl::Status& status) {
-  if (status.ok()) return;
-  const std::optional<v1::ErrorReason> reason = wire::ReasonOf(status);
-  Require(reason.has_value() && *reason != v1::ERROR_REASON_INTERNAL && *reason != v1::ERROR_REASON_UNSPECIFIED);
-  Require(!status.message().empty() && status.code() == wire::ReasonCode(*reason));
-  const auto bad_request = wire::BadRequestOf(status);
-  Require((*reason == v1::ERROR_REASON_INVALID_FIELD) == bad_request.has_value());
-  if (bad_request.has_value()) Require(!bad_request->field_violations(0).field().empty());
-  Require(wire::ReasonOf(wire::FromGrpcStatus(wire::ToGrpcStatus(status, "id"))) == reason);
-}
 
 void CheckInput(const v1::ScanInput& input, const std::string& field) {
   MemoryScanStore store;
@@ -109,19 +83,16 @@ void CheckUpload(std::string_view bytes, bool mended) {
   const UploadEnvironment environment = {FuzzLimits(), &memory, &store, &metrics, &owners};
   UploadSession session(environment, std::stop_source());
   std::string payload;
-  while (bytes.size() >= 2) {
-    const size_t length = static_cast<uint8_t>(bytes[0]) + 256U * static_cast<uint8_t>(bytes[1]);
-    std::string text(bytes.substr(2, length));
-    bytes.remove_prefix(std::min(bytes.size(), 2 + length));
+  while (std::optional<std::string> text = NextText(bytes)) {
     v1::UploadScanRequest request;
-    const bool is_request = request.ParseFromString(text);
+    const bool is_request = request.ParseFromString(*text);
     if (mended && is_request) {
       Mend(request, payload);
       text = request.SerializeAsString();
     }
     // In two slices, as gRPC may cut it.
-    const std::array<grpc::Slice, 2> slices = {grpc::Slice(text.substr(0, text.size() / 2)),
-                                               grpc::Slice(text.substr(text.size() / 2))};
+    const std::array<grpc::Slice, 2> slices = {grpc::Slice(text->substr(0, text->size() / 2)),
+                                               grpc::Slice(text->substr(text->size() / 2))};
     UploadMessage message;
     Require(message.Parse(grpc::ByteBuffer(slices.data(), slices.size())) == is_request);
     if (!is_request) return;
@@ -138,12 +109,6 @@ void CheckResult(const v1::RegistrationResult& message) {
   if (!result.ok()) return;
   Require(wire::FromWire(wire::ToWire(*result)).ok());
   Require(wire::ToSummary(*result).ByteSizeLong() <= 200);
-}
-
-template <typename Message, typename Check>
-void Decode(std::string_view bytes, const Check& check) {
-  Message message;
-  if (message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) check(message);
 }
 
 void CheckMessage(uint8_t kind, std::string_view bytes) {

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any bytes as any message of TraverseService, as requests_fuzzer.cc does for the other services. A stream of scans is
+// a row of messages, each after its length in two bytes.
+#include <cstdint>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "curvereg/v1/traverse_service.pb.h"
+#include "fuzz/memory_scan_store.h"
+#include "fuzz/request_checks.h"
+#include "server/operations/metrics.h"
+#include "server/scans/upload_session.h"
+#include "server/scheduling/memory_budget.h"
+#include "server/traverses/scan_stream_session.h"
+#include "server/traverses/traverse_conversion.h"
+#include "tests/server/traverses/fake_traverses.h"
+#include "wire/digest.h"
+
+namespace curvereg::server {
+namespace {
+
+// What fits lets the fuzzer past the checks: numbers, sizes, checksums and digests that fit the chunks after each
+// header.
+void Mend(std::vector<v1::StreamScansRequest>& requests) {
+  uint64_t sequence_number = 0;
+  v1::StreamedScanHeader* header = nullptr;
+  std::string payload;
+  for (v1::StreamScansRequest& request : requests) {
+    if (request.has_header()) {
+      header = request.mutable_header();
+      header->set_sequence_number(sequence_number++);
+      payload.clear();
+    } else if (request.has_chunk() && header != nullptr) {
+      request.mutable_chunk()->set_offset(payload.size());
+      request.mutable_chunk()->set_crc32c(wire::Crc32c(request.chunk().data()));
+      payload += request.chunk().data();
+      header->set_payload_bytes(payload.size());
+      *header->mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_SHA256, payload);
+    }
+  }
+}
+
+void CheckScanStream(std::string_view bytes, bool mended) {
+  std::vector<v1::StreamScansRequest> requests;
+  if (mended) requests.emplace_back().mutable_start()->set_traverse(testing::FakeTraverses::kName);
+  while (const std::optional<std::string> text = NextText(bytes)) {
+    if (!requests.emplace_back().ParseFromString(*text)) return;
+  }
+  if (mended) Mend(requests);
+  static Metrics metrics;
+  MemoryScanStore store;
+  MemoryBudget memory(uint64_t{64} << 20);
+  UploadOwners owners;
+  testing::FakeTraverses traverses;
+  const ScanStreamSession::Environment environment = {{FuzzLimits(), &memory, &store, &metrics, &owners}, &traverses};
+  ScanStreamSession session(environment, std::stop_source(), [] {});
+  for (v1::StreamScansRequest& request : requests) {
+    const absl::StatusOr<std::optional<v1::StreamScansResponse>> answer = session.Handle(request);
+    CheckError(answer.status());
+    if (!answer.ok()) break;
+  }
+  if (session.has_started()) Require(session.TakeResults(1000).ok() && session.took_all_results());
+  Require(memory.reserved_bytes() == 0);
+}
+
+void CheckSettings(const v1::TraverseSettings& settings) { CheckError(FromWire(settings, 8).status()); }
+
+void CheckMessage(uint8_t kind, std::string_view bytes) {
+  switch (kind % 4) {
+    case 0:
+      return CheckScanStream(bytes, false);
+    case 1:
+      return CheckScanStream(bytes, true);
+    case 2:
+      return Decode<v1::CreateTraverseRequest>(bytes, [](const auto& request) {
+        CheckSettings(request.settings());
+        CheckError(TraverseIdOf(request.traverse_id(), "traverse_id").status());
+      });
+    default:
+      return Decode<v1::TrajectoryPose>(bytes, [](const auto& pose) { CheckError(FromWire(pose).status()); });
+  }
+}
+
+}  // namespace
+}  // namespace curvereg::server
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  curvereg::server::CheckMessage(data[0], {reinterpret_cast<const char*>(data) + 1, size - 1});
+  return 0;
+}
