@@ -5,7 +5,7 @@ JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo test bench sanitizers fuzz image format lint tidy clean
+.PHONY: help deps build demo paper test bench sanitizers fuzz image format lint tidy clean
 
 help: ## This list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 12
@@ -21,6 +21,11 @@ demo: deps ## Simulate a rover's drive, register its scans, draw the report into
 	cmake --preset release
 	cmake --build --preset release -j $(JOBS) --target bin/curvereg bin/curvereg-server
 	scripts/demo.sh
+
+paper: deps ## The paper's tables and figures for its method, its rivals and ours, into out/paper (an hour)
+	cmake --preset release
+	cmake --build --preset release -j $(JOBS) --target bin/curvereg
+	scripts/paper.sh
 
 test: deps build ## Build and run every test
 	ctest --test-dir build/release --output-on-failure --no-tests=error -j $(JOBS)

@@ -131,10 +131,19 @@ void PairConsecutiveScans(int every, Dataset& dataset) {
   }
 }
 
+// Every N-th from the first.
+void Thin(int take, std::vector<ScanPair>& pairs) {
+  const auto step = static_cast<std::size_t>(take);
+  std::vector<ScanPair> taken;
+  for (std::size_t i = 0; i < pairs.size(); i += step) taken.push_back(std::move(pairs[i]));
+  pairs = std::move(taken);
+}
+
 }  // namespace
 
 absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelection& selection) {
   if (selection.every < 1) return absl::InvalidArgumentError("every: must be at least 1");
+  if (selection.take < 1) return absl::InvalidArgumentError("take: must be at least 1");
   const absl::StatusOr<std::vector<fs::path>> paths = FindScans(folder);
   if (!paths.ok()) return paths.status();
   Dataset dataset;
@@ -159,10 +168,10 @@ absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelecti
   }
   if (!pairs.ok()) {
     PairConsecutiveScans(selection.every, dataset);
-    return dataset;
+  } else if (const absl::Status status = FillPairs(pairs->view(), selection, *index, dataset); !status.ok()) {
+    return WithPath(pairs_path, status);
   }
-  const absl::Status status = FillPairs(pairs->view(), selection, *index, dataset);
-  if (!status.ok()) return WithPath(pairs_path, status);
+  Thin(selection.take, dataset.pairs);
   return dataset;
 }
 

@@ -31,6 +31,7 @@ struct Dataset {
 
 struct PairSelection {
   int every = 1;             // with poses.txt: scan i + every registered onto scan i
+  int take = 1;              // of the pairs so selected, every N-th from the first
   double min_overlap = 0.0;  // with pairs.txt: pairs of known overlap below it are left out
 };
 

@@ -4,8 +4,10 @@
 """Draws the figures of an evaluation from the files in its report folder.
 
 Usage: draw_report.py FOLDER
-Reads  report.json, distributions.csv, trajectory_*.tum, map_*.ply
-Writes figure_1_errors.png, figure_2_run_time.png, figure_3_trajectory.png, figure_4_map_METHOD.png
+Reads  of pairs:      report.json, distributions.csv, trajectory_*.tum, map_*.ply
+       of a traverse: traverse.json, trajectory_*.tum, map_optimised.ply
+Writes figure_1_errors.png, figure_2_run_time.png (of pairs), figure_3_trajectory.png, figure_4_map_METHOD.png,
+       figure_5_drift.png (of a traverse)
 Exits with 77 when matplotlib is missing.
 """
 import csv
@@ -148,8 +150,35 @@ def draw_map(folder, method):
     save(figure, folder / f"figure_4_map_{method}.png")
 
 
+def draw_drift(folder, names):
+    numbers, truth = read_trajectory(folder / "trajectory_truth.tum")
+    if len(numbers) == 0:
+        return
+    travelled = dict(zip(numbers, np.r_[0, np.cumsum(np.linalg.norm(np.diff(truth, axis=0), axis=1))]))
+    place_of = dict(zip(numbers, truth))
+    figure, axis = plt.subplots(figsize=(9, 4.2))
+    for colour, style, name in zip(COLOURS, STYLES, names):
+        scans, places = read_trajectory(folder / f"trajectory_{name}.tum")
+        known = [i for i, scan in enumerate(scans) if scan in place_of]
+        if not known:
+            continue
+        errors = [1e3 * np.linalg.norm(places[i] - place_of[scans[i]]) for i in known]
+        axis.plot([travelled[scans[i]] for i in known], errors, color=colour, linestyle=style, marker=".", label=name)
+    axis.set_xlabel("way driven [m]")
+    axis.set_ylabel("error of the position [mm]")
+    axis.grid(alpha=0.3)
+    axis.legend()
+    save(figure, folder / "figure_5_drift.png")
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
+    if not (folder / "report.json").exists():
+        names = ["tracked", "optimised"]
+        draw_trajectory(folder, names)
+        draw_map(folder, "optimised")
+        draw_drift(folder, names)
+        return
     report = json.loads((folder / "report.json").read_text())
     methods = [m["method"] for m in report["methods"]]
     draw_errors(folder, methods, read_distributions(folder))

@@ -15,8 +15,10 @@
 #include "client/cli/service_registrar.h"
 #include "client/files/cloud_file.h"
 #include "eval/evaluate.h"
+#include "eval/evaluate_traverse.h"
 #include "eval/report.h"
 #include "eval/report_json.h"
+#include "eval/traverse_report.h"
 
 namespace curvereg::cli {
 namespace {
@@ -24,6 +26,7 @@ namespace {
 struct Arguments {
   std::string dataset;
   std::string methods = "curvelet";
+  std::string mode = "pairs";
   PairSelection selection;
   uint64_t seed = 1;
   int threads = 0;
@@ -38,18 +41,32 @@ constexpr char kExamples[] =
 `source target overlap ... 16 numbers`, row-major T_target_source). strangers.txt, where present, lists pairs
 `source target` that share no ground: accepting one is wrong.
 
+--mode pairs registers the pairs one by one. --mode traverse tracks the scans in name order as one drive and then
+optimises it, in this process, with the first of the methods; it needs poses.txt for errors.
+
 Exit status: 0 done (whatever the figures), 1 internal fault or interrupted, 2 bad arguments or input, 4 server
 unreachable or it refused.
 
 Examples:
   curvereg evaluate yard --out yard-report
-  curvereg evaluate dome --method curvelet,paper --every 5 --out dome-report --json > dome.json)";
+  curvereg evaluate dome --method curvelet,paper --every 5 --out dome-report --json > dome.json
+  curvereg evaluate yard --mode traverse --out yard-drive)";
 
 absl::StatusOr<Scan> LoadScan(const std::string& path) { return ReadCloudFile(path); }
 
 std::string ProgressNote(const EvaluationProgress& progress) {
   return absl::StrCat(progress.num_done, "/", progress.num_total, " ", progress.last->source, " → ",
                       progress.last->target);
+}
+
+// What both modes take from the command line.
+RegistrationOptions RegistrationOf(const Arguments& arguments, const CliContext& context) {
+  RegistrationOptions registration;
+  registration.seed = arguments.seed;
+  registration.num_threads = arguments.threads;
+  if (arguments.time_budget_s > 0.0) registration.time_budget_s = arguments.time_budget_s;
+  registration.cancellation = context.interrupted;
+  return registration;
 }
 
 absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, const Dataset& dataset,
@@ -65,10 +82,7 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   ProgressBar bar("registering");
   EvaluationOptions options;
   options.methods = *methods;
-  options.registration.seed = arguments.seed;
-  options.registration.num_threads = arguments.threads;
-  if (arguments.time_budget_s > 0.0) options.registration.time_budget_s = arguments.time_budget_s;
-  options.registration.cancellation = context.interrupted;
+  options.registration = RegistrationOf(arguments, context);
   options.load_scan = LoadScan;
   bool has_warned = false;
   options.register_scans = [&](const Scan& source, const Scan& target, const RegistrationOptions& registration) {
@@ -84,6 +98,29 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   return Evaluate(dataset, *strangers, options);
 }
 
+ExitCode RunTraverse(const Arguments& arguments, const Dataset& dataset, Method method, const CliContext& context) {
+  if (!arguments.server.server.empty()) {
+    return ReportError(absl::InvalidArgumentError("--mode traverse measures in this process; leave out --server"));
+  }
+  TraverseEvaluationOptions options;
+  options.tracking.registration = RegistrationOf(arguments, context);
+  options.tracking.registration.method = method;
+  options.load_scan = LoadScan;
+  ProgressBar bar("tracking");
+  const auto num_scans = static_cast<double>(dataset.scan_paths.size());
+  options.progress = [&](int num_done, const std::string& name) { bar.Update(num_done / num_scans, name); };
+  const absl::StatusOr<TraverseEvaluation> evaluation = EvaluateTraverse(dataset, options);
+  if (!evaluation.ok()) return ReportError(evaluation.status());
+  ReportOptions report;
+  report.load_scan = LoadScan;
+  const absl::StatusOr<std::string> warning = WriteTraverseReport(*evaluation, dataset, arguments.out, report);
+  if (!warning.ok()) return ReportError(warning.status());
+  if (!warning->empty()) ReportWarning(*warning);
+  if (arguments.json) return PrintResult(TraverseEvaluationJson(*evaluation) + "\n");
+  return PrintResult(
+      absl::StrCat(TraverseEvaluationText(*evaluation), "report       ", arguments.out, "/report.html\n"));
+}
+
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
   const absl::StatusOr<std::vector<Method>> methods = ParseMethods(arguments.methods);
   if (!methods.ok()) return ReportError(methods.status());
@@ -91,6 +128,7 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (!dataset.ok()) return ReportError(dataset.status());
   const absl::Status folder = PrepareOutputFolder(arguments.out);
   if (!folder.ok()) return ReportError(folder);
+  if (arguments.mode == "traverse") return RunTraverse(arguments, *dataset, methods->front(), context);
 
   const absl::StatusOr<Evaluation> evaluation = EvaluateWithProgress(arguments, *dataset, context);
   if (!evaluation.ok()) return ReportError(evaluation.status());
@@ -112,7 +150,13 @@ Command AddEvaluateCommand(CLI::App& app) {
   command->add_option("--method", arguments->methods, absl::StrCat("Methods, separated by commas: ", MethodNames()))
       ->capture_default_str()
       ->type_name("A[,B...]");
+  command->add_option("--mode", arguments->mode, "Pairs one by one, or the whole drive end to end")
+      ->check(CLI::IsMember({"pairs", "traverse"}))
+      ->capture_default_str();
   command->add_option("--every", arguments->selection.every, "With poses.txt: register scan i+N onto scan i")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--take", arguments->selection.take, "Register every N-th pair only, for methods that take long")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command

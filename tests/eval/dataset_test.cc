@@ -92,6 +92,20 @@ TEST(DatasetTest, PairsConsecutiveScansOfATrajectory) {
   EXPECT_TRUE(LoadDataset(folder.path(), {.every = 3})->pairs.empty());
 }
 
+TEST(DatasetTest, TakesEveryNthPair) {
+  const TemporaryFolder folder;
+  AddScans(folder, {"a.pcd", "b.pcd"});
+  WriteBytes(folder.File("pairs.txt"),
+             absl::StrCat("a b 0.1 ", kIdentity, "\nb a 0.2 ", kIdentity, "\na b 0.3 ", kIdentity, "\n"));
+  const auto dataset = LoadDataset(folder.path(), {.take = 2});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  ASSERT_EQ(dataset->pairs.size(), 2U);
+  EXPECT_EQ(dataset->pairs[0].overlap, 0.1);
+  EXPECT_EQ(dataset->pairs[1].overlap, 0.3);
+  EXPECT_EQ(LoadDataset(folder.path(), {.take = 5})->pairs.size(), 1U);
+  EXPECT_TRUE(absl::IsInvalidArgument(LoadDataset(folder.path(), {.take = 0}).status()));
+}
+
 TEST(DatasetTest, ReadsPosesByName) {
   const TemporaryFolder folder;
   AddScans(folder, {"a.pcd", "b.pcd", "c.pcd"});

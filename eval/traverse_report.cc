@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "eval/traverse_report.h"
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/files/atomic_file.h"
+#include "client/files/cloud_file.h"
+#include "client/files/result_json.h"
+#include "client/files/trajectory_file.h"
+#include "eval/distribution.h"
+#include "eval/merged_map.h"
+#include "eval/report_html.h"
+#include "eval/report_pictures.h"
+
+namespace curvereg {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json StatisticsJson(const ErrorStatistics& statistics) {
+  return {{"rmse", statistics.rmse}, {"mean", statistics.mean}, {"median", statistics.median}, {"max", statistics.max}};
+}
+
+ordered_json ThicknessJson(const SurfaceThickness::Result& thickness) {
+  return {{"median_m", thickness.median_m}, {"p90_m", thickness.p90_m}, {"cells", thickness.num_cells}};
+}
+
+ordered_json TrajectoryJson(const MeasuredTrajectory& trajectory) {
+  ordered_json json;
+  json["segments"] = trajectory.num_segments;
+  json["measured_scans"] = trajectory.num_measured;
+  if (trajectory.errors) {
+    json["path_length_m"] = trajectory.errors->path_length_m;
+    json["ape_m"] = StatisticsJson(trajectory.errors->ape_m);
+    json["drift_m"] = StatisticsJson(trajectory.errors->drift_m);
+    json["drift_at_end_m"] = trajectory.errors->drift_at_end_m;
+    json["rpe_m"] = StatisticsJson(trajectory.errors->rpe_m);
+    json["rpe_rad"] = StatisticsJson(trajectory.errors->rpe_rad);
+  }
+  json["surface_thickness"] = ThicknessJson(trajectory.thickness);
+  return json;
+}
+
+std::string Millimetres(double metres) { return std::isfinite(metres) ? absl::StrFormat("%.1f", 1e3 * metres) : "-"; }
+
+// One line of the table: what it is, then one cell for each trajectory.
+using Row = std::pair<std::string, std::vector<std::string>>;
+
+std::vector<Row> Rows(const TraverseEvaluation& evaluation) {
+  std::vector<Row> rows;
+  const auto add = [&](const std::string& name, const auto& value) {
+    rows.push_back({name, {value(evaluation.tracked), value(evaluation.optimised)}});
+  };
+  const auto add_error = [&](const std::string& name, const auto& of) {
+    add(name, [&](const MeasuredTrajectory& t) { return t.errors ? Millimetres(of(*t.errors)) : std::string("-"); });
+  };
+  add("segments", [](const MeasuredTrajectory& t) { return absl::StrCat(t.num_segments); });
+  add("scans measured", [](const MeasuredTrajectory& t) { return absl::StrCat(t.num_measured); });
+  add_error("APE RMSE [mm]", [](const TrajectoryErrors& e) { return e.ape_m.rmse; });
+  add_error("APE max [mm]", [](const TrajectoryErrors& e) { return e.ape_m.max; });
+  add_error("drift RMSE [mm]", [](const TrajectoryErrors& e) { return e.drift_m.rmse; });
+  add_error("drift at end [mm]", [](const TrajectoryErrors& e) { return e.drift_at_end_m; });
+  add_error("RPE RMSE [mm]", [](const TrajectoryErrors& e) { return e.rpe_m.rmse; });
+  add_error("RPE RMSE [mrad]", [](const TrajectoryErrors& e) { return e.rpe_rad.rmse; });
+  add("map thickness [mm]", [](const MeasuredTrajectory& t) { return Millimetres(t.thickness.median_m); });
+  return rows;
+}
+
+std::string Headline(const TraverseEvaluation& evaluation) {
+  std::string text = absl::StrCat(evaluation.num_scans, " scans by ", std::string(MethodName(evaluation.method)), ": ",
+                                  evaluation.num_accepted_links, " of ", evaluation.links.size(), " links accepted, ",
+                                  evaluation.num_accepted_wrong_links, " of them wrong; the optimisation gave up ",
+                                  evaluation.num_given_up_links);
+  absl::StrAppendFormat(&text, ". Tracking: median %.3f s a scan; optimisation %.2f s.",
+                        Quantile(evaluation.track_seconds, 0.5), evaluation.optimise_seconds);
+  if (evaluation.true_thickness) {
+    absl::StrAppend(&text, " Map thickness at the true poses: ", Millimetres(evaluation.true_thickness->median_m),
+                    " mm.");
+  }
+  return text;
+}
+
+std::string TableHtml(const TraverseEvaluation& evaluation) {
+  std::string html = "<table>\n<tr><th></th><th>tracked</th><th>optimised</th></tr>\n";
+  for (const auto& [name, cells] : Rows(evaluation)) {
+    absl::StrAppend(&html, "<tr><td>", name, "</td><td>", cells[0], "</td><td>", cells[1], "</td></tr>\n");
+  }
+  return absl::StrCat("<p>", Escaped(Headline(evaluation)), "</p>\n", html, "</table>\n",
+                      "<p>APE: after the best rigid alignment. Drift: after laying the first pose on its truth. RPE: ",
+                      "from scan to scan. Map thickness: median standard deviation across surfaces that several scans ",
+                      "saw.</p>\n");
+}
+
+// The measured segment's poses in the frame of the truth, the first one laid on its truth.
+std::vector<std::optional<RigidTransform>> PlacedPoses(const MeasuredTrajectory& trajectory, const Dataset& dataset) {
+  std::vector<std::optional<RigidTransform>> placed(trajectory.poses.size());
+  const int segment = trajectory.measured_segment;
+  std::optional<RigidTransform> T_world_segment;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const TrajectoryPose& pose = trajectory.poses[i];
+    if (pose.segment != segment || T_world_segment || !dataset.T_world_scan[i]) continue;
+    T_world_segment = *dataset.T_world_scan[i] * pose.T_segment_scan.inverse();
+  }
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (trajectory.poses[i].segment != segment) continue;
+    placed[i] = T_world_segment.value_or(RigidTransform::Identity()) * trajectory.poses[i].T_segment_scan;
+  }
+  return placed;
+}
+
+absl::Status WritePoses(const std::string& path, const std::vector<std::optional<RigidTransform>>& T_world_scan) {
+  std::vector<StampedPose> poses;  // the scan's number in place of a time
+  for (std::size_t i = 0; i < T_world_scan.size(); ++i) {
+    if (T_world_scan[i]) poses.push_back({.timestamp_s = static_cast<double>(i), .T_world_scan = *T_world_scan[i]});
+  }
+  return WriteTrajectoryFile(path, poses);
+}
+
+}  // namespace
+
+std::string TraverseEvaluationJson(const TraverseEvaluation& evaluation, int indent) {
+  ordered_json json;
+  json["dataset"] = evaluation.dataset;
+  json["method"] = std::string(MethodName(evaluation.method));
+  json["scans"] = evaluation.num_scans;
+  json["links"] = evaluation.links.size();
+  json["accepted_links"] = evaluation.num_accepted_links;
+  json["accepted_wrong_links"] = evaluation.num_accepted_wrong_links;
+  json["given_up_links"] = evaluation.num_given_up_links;
+  json["median_track_s"] = Quantile(evaluation.track_seconds, 0.5);
+  json["p95_track_s"] = Quantile(evaluation.track_seconds, 0.95);
+  json["optimise_s"] = evaluation.optimise_seconds;
+  json["tracked"] = TrajectoryJson(evaluation.tracked);
+  json["optimised"] = TrajectoryJson(evaluation.optimised);
+  json["true_surface_thickness"] =
+      evaluation.true_thickness ? ThicknessJson(*evaluation.true_thickness) : ordered_json();
+  return JsonText(json, indent);
+}
+
+std::string TraverseEvaluationText(const TraverseEvaluation& evaluation) {
+  std::string text = absl::StrFormat("%s\n%s\n%-20s %10s %10s\n", evaluation.dataset, Headline(evaluation), "",
+                                     "tracked", "optimised");
+  for (const auto& [name, cells] : Rows(evaluation)) {
+    absl::StrAppendFormat(&text, "%-20s %10s %10s\n", name, cells[0], cells[1]);
+  }
+  return text;
+}
+
+absl::StatusOr<std::string> WriteTraverseReport(const TraverseEvaluation& evaluation, const Dataset& dataset,
+                                                const std::string& folder, const ReportOptions& options) {
+  const auto optimised = PlacedPoses(evaluation.optimised, dataset);
+  absl::Status status = WriteFileAtomically(folder + "/traverse.json", TraverseEvaluationJson(evaluation, 1) + "\n");
+  status.Update(WritePoses(folder + "/trajectory_truth.tum", dataset.T_world_scan));
+  status.Update(WritePoses(folder + "/trajectory_tracked.tum", PlacedPoses(evaluation.tracked, dataset)));
+  status.Update(WritePoses(folder + "/trajectory_optimised.tum", optimised));
+  if (!status.ok()) return status;
+  MergedMap map(options.map_cell_m);
+  for (std::size_t i = 0; i < optimised.size(); ++i) {
+    if (!optimised[i]) continue;
+    const absl::StatusOr<Scan> scan = options.load_scan(dataset.scan_paths[i]);
+    if (!scan.ok()) return scan.status();
+    map.Add(*scan, *optimised[i]);
+  }
+  status = WriteCloudFile(folder + "/map_optimised.ply", map.Points());
+  if (!status.ok()) return status;
+  const DrawnPictures drawn = DrawReportPictures(folder, options.figures);
+  status = WriteFileAtomically(folder + "/report.html", HtmlPage({.title = "Traverse of " + evaluation.dataset,
+                                                                  .summary = TableHtml(evaluation),
+                                                                  .note = drawn.warning,
+                                                                  .pictures = drawn.pictures,
+                                                                  .details = ""}));
+  if (!status.ok()) return status;
+  return drawn.warning;
+}
+
+}  // namespace curvereg
