@@ -109,12 +109,13 @@ absl::StatusOr<TraverseStep> TraverseWork::Track(const AcknowledgedScan& scan, b
   next.time_ns = TimeOf(scan.header);
   const absl::StatusOr<std::optional<Prior>> prior = PriorOf(scan.header);
   if (prior.ok()) next.prior = *prior;
-  absl::StatusOr<std::shared_ptr<const PreparedScan>> prepared = scans.Load(scan.scan_id, stop);
-  absl::StatusOr<TrackedScan> tracked = prepared.status();
-  if (prepared.ok()) {
+  const auto track = [&]() -> absl::StatusOr<TrackedScan> {
+    absl::StatusOr<std::shared_ptr<const PreparedScan>> prepared = scans.Load(scan.scan_id, stop);
+    if (!prepared.ok()) return prepared.status();
     next.scan = *std::move(prepared);
-    tracked = TrackScan(traverse_, next, Loader(scans), options_, stop);
-  }
+    return TrackScan(traverse_, next, Loader(scans), options_, stop);
+  };
+  absl::StatusOr<TrackedScan> tracked = track();
   if (!tracked.ok()) {
     if (!IsLasting(tracked.status()) && !(must_end && IsFault(tracked.status()))) return tracked.status();
     environment_.logger->Warning("unusable_scan", {{"traverse", name_},
