@@ -309,19 +309,18 @@ absl::Status TraverseEngine::Keep(TraverseStep step) {
 void TraverseEngine::Tell(const TraverseStep& step) const {
   const v1::ScanResult& result = step.events.front().result();
   const double latency_s = wire::SecondsOf(result.latency()).value_or(0.0);
-  const auto sequence_number = static_cast<int64_t>(result.sequence_number());
-  const auto segment = static_cast<int64_t>(result.pose().segment());
   environment_.work.scans.calls.metrics->ScanTracked(result.pose().origin(), latency_s);
-  environment_.work.logger->Debug(
-      "scan_tracked",
-      {{"traverse", name_}, {"sequence_number", sequence_number}, {"segment", segment}, {"ms", 1e3 * latency_s}});
-  if (result.pose().origin() == v1::POSE_ORIGIN_SEGMENT_START && sequence_number > 0) {
-    environment_.work.logger->Warning(
-        "segment_begun", {{"traverse", name_}, {"sequence_number", sequence_number}, {"segment", segment}});
+  Logger& logger = *environment_.work.logger;
+  LogFields fields = {{"traverse", name_},
+                      {"sequence_number", static_cast<int64_t>(result.sequence_number())},
+                      {"segment", static_cast<int64_t>(result.pose().segment())}};
+  if (result.pose().origin() == v1::POSE_ORIGIN_SEGMENT_START && result.sequence_number() > 0) {
+    logger.Warning("segment_begun", fields);
   } else if (result.pose().origin() == v1::POSE_ORIGIN_PRIOR) {
-    environment_.work.logger->Warning(
-        "pose_by_prior", {{"traverse", name_}, {"sequence_number", sequence_number}, {"segment", segment}});
+    logger.Warning("pose_by_prior", fields);
   }
+  fields.push_back({"ms", 1e3 * latency_s});
+  logger.Debug("scan_tracked", fields);
 }
 
 void TraverseEngine::Close(bool is_deleted) {

@@ -129,8 +129,9 @@ absl::Status TraversesImpl::Load() {
     num_waiting +=
         static_cast<int64_t>(record.traverse.next_sequence_number() - record.traverse.registered_scan_count());
   }
-  engine_environment_.work.logger->Info(
-      "traverses_opened", {{"traverses", static_cast<int64_t>(engines_.size())}, {"waiting_scans", num_waiting}});
+  Logger& logger = *engine_environment_.work.logger;
+  logger.Info("traverses_opened",
+              {{"traverses", static_cast<int64_t>(engines_.size())}, {"waiting_scans", num_waiting}});
   RemoveDoomedScans();
   for (const auto& [name, engine] : engines_) engine->Kick();
   return absl::OkStatus();
