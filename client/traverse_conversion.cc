@@ -98,6 +98,21 @@ absl::Status ReadPose(const v1::RegistrationSummary& summary, LinkSummary& link)
   return absl::OkStatus();
 }
 
+// Zero for the first pose of a segment, so not positive definite as that of a registration.
+absl::StatusOr<Matrix6d> CovarianceOf(const v1::PoseCovariance& message) {
+  constexpr int kUpperTriangle = 21;
+  if (message.upper_triangle_size() != kUpperTriangle) return absl::InternalError("the server's covariance is cut off");
+  Matrix6d covariance;
+  int next = 0;
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col) covariance(row, col) = covariance(col, row) = message.upper_triangle(next++);
+  }
+  if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0.0) {
+    return absl::InternalError("the server's covariance is none");
+  }
+  return covariance;
+}
+
 template <typename Item, typename Message>
 absl::Status ReadAll(const Message& messages, std::vector<Item>& items) {
   items.reserve(static_cast<std::size_t>(messages.size()));
@@ -197,8 +212,8 @@ absl::StatusOr<curvereg::TrajectoryPose> FromWire(const v1::TrajectoryPose& pose
   if (!origin.ok()) return origin.status();
   result.origin = *origin;
   if (!pose.has_covariance()) return result;
-  const absl::StatusOr<Matrix6d> covariance = wire::FromWire(pose.covariance());
-  if (!covariance.ok()) return Nonsense("pose", covariance.status());
+  const absl::StatusOr<Matrix6d> covariance = CovarianceOf(pose.covariance());
+  if (!covariance.ok()) return covariance.status();
   result.covariance = *covariance;
   return result;
 }

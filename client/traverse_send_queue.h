@@ -52,6 +52,7 @@ struct TraverseSendQueue {
   std::deque<curvereg::ScanResult> results;
   std::deque<std::pair<uint64_t, std::string>> acknowledged;
   bool has_news = false;
+  bool has_progress = false;  // more is safe or answered than ever before
 
   void Push(EncodedScan scan);
   // The scan of that number; null where it is not here.

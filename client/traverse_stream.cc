@@ -69,7 +69,8 @@ void TraverseStream::Await(const Limits& limits, const std::function<void()>& te
     Clock::time_point wake = Clock::now() + kPollInterval;
     if (queue_.pacer.next_send() > Clock::now()) wake = std::min(wake, queue_.pacer.next_send());
     if (!queue_.has_news && !ended_) queue_.changed.wait_until(lock, wake);
-    const bool alive = ready_at_ && !ended_ && (queue_.has_news || Clock::now() - *ready_at_ > kProof);
+    const bool alive =
+        ready_at_ && !ended_ && (std::exchange(queue_.has_progress, false) || Clock::now() - *ready_at_ > kProof);
     const bool has_news = std::exchange(queue_.has_news, false);
     WatchSilence(limits.silence);
     const bool release = closed_ && std::exchange(held, false);
@@ -145,7 +146,7 @@ absl::Status TraverseStream::Take(const v1::StreamScansResponse& response) {
       if (!result.ok()) return result.status();
       queue_.results.push_back(*std::move(result));
       queue_.last_result = number;
-      queue_.has_news = true;
+      queue_.has_news = queue_.has_progress = true;
       return absl::OkStatus();
     }
     case v1::StreamScansResponse::MESSAGE_NOT_SET:
@@ -186,11 +187,13 @@ absl::Status TraverseStream::TakeAck(const v1::StreamScansAck& ack) {
   if (committed > scan->committed) {
     queue_.progress.bytes_acknowledged += committed - scan->committed;
     scan->committed = committed;
+    queue_.has_progress = true;
   }
   if (!ack.complete()) return absl::OkStatus();
   // A scan that the server knows from elsewhere is complete before all of it was sent.
   if (ack.sequence_number() == next_) EndCursorScan();
   queue_.next_wanted = std::max(queue_.next_wanted, ack.sequence_number() + 1);
+  queue_.has_progress = true;
   queue_.DropBefore(ack.sequence_number() + 1, ack.scan());
   return absl::OkStatus();
 }

@@ -126,6 +126,10 @@ TEST(TraverseClientTest, BeginsAMapAnewWhenPosesWereRevised) {
 TEST(TraverseClientTest, RefusesAnswersThatMakeNoSense) {
   v1::ScanResult result = PlausibleResult(3);
   EXPECT_TRUE(internal::FromWire(result).ok());
+  for (int i = 0; i < 21; ++i) result.mutable_pose()->mutable_covariance()->add_upper_triangle(0.0);
+  EXPECT_TRUE(internal::FromWire(result).ok()) << "a segment begins";
+  result.mutable_pose()->mutable_covariance()->set_upper_triangle(0, -1.0);
+  EXPECT_TRUE(absl::IsInternal(internal::FromWire(result).status()));
   result.mutable_pose()->set_origin(v1::POSE_ORIGIN_UNSPECIFIED);
   EXPECT_TRUE(absl::IsInternal(internal::FromWire(result).status()));
   result = PlausibleResult(3);

@@ -236,6 +236,18 @@ TEST(TraverseStreamTest, GivesUpInTheEnd) {
   EXPECT_LT(Clock::now() - start, milliseconds(5000));
 }
 
+TEST(TraverseStreamTest, GivesUpWhenStreamsBeginAndBringNothing) {
+  TraverseMemory memory;
+  memory.cut_after_received = 1;
+  const FakeTraverseServer server(memory);
+  ClientOptions options = QuickOptions();
+  options.call_timeout = milliseconds(500);
+  const Clock::time_point start = Clock::now();
+  const absl::Status status = StreamAll(*ConnectTo(server.target(), options), Diary().Options(), 0, 1);
+  EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+  EXPECT_LT(Clock::now() - start, milliseconds(5000));
+}
+
 TEST(TraverseStreamTest, KeepsNoMoreThanAllowed) {
   TraverseMemory memory;
   memory.on_start = [](int) { return grpc::Status(grpc::UNAVAILABLE, "not yet"); };
