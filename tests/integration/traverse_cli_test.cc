@@ -110,14 +110,18 @@ TEST_F(TraverseCliTest, StreamResumesWithTheRestAndPriorsAndOptimises) {
   EXPECT_EQ(first.status, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("overlap"));
   EXPECT_THAT(first.out, HasSubstr("2 scans sent, 2 registered in all"));
+  auto odometry = ReadTrajectoryFile(File("yard/poses.txt"));
+  ASSERT_TRUE(odometry.ok()) << odometry.status();
+  for (StampedPose& pose : *odometry) pose.timestamp_s += 100.5;  // else they are but numbers of lines
+  ASSERT_TRUE(WriteTrajectoryFile(File("odometry.txt"), *odometry).ok());
   const Finished rest = Asking(
-      "stream yard --traverse parts --resume --priors yard/poses.txt --prior-sigma 0.05,0.5 --rate 50 --optimize "
+      "stream yard --traverse parts --resume --priors odometry.txt --prior-sigma 0.05,0.5 --rate 50 --optimize "
       "--json");
   EXPECT_EQ(rest.status, 0) << rest.err;
   const std::vector<json> lines = Lines(rest.out);
   ASSERT_EQ(lines.size(), 4U);
   EXPECT_EQ(lines[0]["sequence_number"], 2);
-  EXPECT_TRUE(lines[0]["pose"]["time_ns"].is_number());
+  EXPECT_EQ(lines[0]["pose"]["time_ns"], 102'500'000'000);
   EXPECT_GE(lines[3]["summary"]["optimization"]["num_links"], 4);
   EXPECT_EQ(Asking("traverse delete parts").status, 0);
 }
