@@ -77,7 +77,7 @@ std::string Headline(const TraverseEvaluation& evaluation) {
                                   evaluation.num_accepted_links, " of ", evaluation.links.size(), " links accepted, ",
                                   evaluation.num_accepted_wrong_links, " of them wrong; the optimisation gave up ",
                                   evaluation.num_given_up_links);
-  absl::StrAppendFormat(&text, ". Tracking: median %.3f s a scan; optimisation %.2f s.",
+  absl::StrAppendFormat(&text, ". Tracking: median %.3f s a scan; optimisation %.3f s.",
                         Quantile(evaluation.track_seconds, 0.5), evaluation.optimise_seconds);
   if (evaluation.true_thickness) {
     absl::StrAppend(&text, " Map thickness at the true poses: ", Millimetres(evaluation.true_thickness->median_m),
