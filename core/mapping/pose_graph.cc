@@ -5,10 +5,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstddef>
 #include <string>
 #include <utility>
 
+#include "core/mapping/pose_graph_bridges.h"
 #include "core/mapping/pose_graph_least_squares.h"
 #include "core/mapping/pose_graph_start.h"
 #include "core/parallel.h"
@@ -54,17 +55,13 @@ std::vector<double> KernelWeights(const std::vector<double>& squared_errors, dou
   return weights;
 }
 
-// Lifts the weights of a spanning forest of the heaviest edges to kLeastHold, so that no part of the graph that only
-// edges given up hold floats away. Forests have no cycles: what is lifted pulls at nothing.
+// Lifts the weights of HeaviestForest to kLeastHold, so that no part of the graph that only edges given up hold floats
+// away. Forests have no cycles: what is lifted pulls at nothing.
 std::vector<double> WithHold(std::vector<double> weights, const PoseGraph& graph) {
   constexpr double kLeastHold = 1e-6;
-  std::vector<size_t> heaviest_first(weights.size());
-  std::iota(heaviest_first.begin(), heaviest_first.end(), size_t{0});
-  std::stable_sort(heaviest_first.begin(), heaviest_first.end(),
-                   [&](size_t a, size_t b) { return weights[a] > weights[b]; });
-  ConnectedNodes connected(graph.T_graph_node.size());
-  for (const size_t i : heaviest_first)
-    if (connected.Join(graph.edges[i].source, graph.edges[i].target)) weights[i] = std::max(weights[i], kLeastHold);
+  const std::vector<bool> holds = HeaviestForest(graph, weights);
+  for (size_t i = 0; i < weights.size(); ++i)
+    if (holds[i]) weights[i] = std::max(weights[i], kLeastHold);
   return weights;
 }
 
@@ -99,38 +96,124 @@ double LargestMove(const std::vector<RigidTransform>& before, const std::vector<
   return largest;
 }
 
-// Graduated non-convexity. The kernel starts so blunt (scale sqrt(mu) c) that the sum is convex in the errors, and gets
-// sharper with every step of the least squares that are re-weighted to it.
-absl::Status Graduate(const PoseGraph& graph, const PoseGraphOptions& options, const Stop& stop,
-                      PoseGraphLeastSquares& problem, PoseGraphResult& result) {
+struct Graduation {
+  std::vector<RigidTransform> T_graph_node;
+  std::vector<double> squared_errors;
+  double cost = 0.0;  // the robust sum: r^2 of what may not be wrong, c^2 r^2 / (r^2 + c^2) of the rest
+  int iterations = 0;
+  bool converged = false;
+};
+
+double RobustCost(const std::vector<double>& squared_errors, double squared_scale, const PoseGraph& graph) {
+  double cost = 0.0;
+  for (size_t i = 0; i < squared_errors.size(); ++i)
+    cost += graph.edges[i].may_be_wrong ? squared_scale * squared_errors[i] / (squared_errors[i] + squared_scale)
+                                        : squared_errors[i];
+  return cost;
+}
+
+// Graduated non-convexity from the problem's poses: the kernel starts with the scale sqrt(mu) c and gets sharper with
+// every step of the least squares that are re-weighted to it, until it has the scale c.
+absl::StatusOr<Graduation> Graduate(const PoseGraph& graph, const PoseGraphOptions& options, double mu,
+                                    const Stop& stop, PoseGraphLeastSquares& problem) {
   constexpr double kSharpening = 2.0;
-  constexpr double kStill = 0.01;  // of a least deviation
+  constexpr double kVeryBlunt = 100.0;  // where little depends on the kernel
+  constexpr double kStill = 0.01;       // of a least deviation
   const double squared_scale = options.kernel_sigmas * options.kernel_sigmas;
-  std::vector<double> squared_errors = problem.SquaredErrors();
-  result.converged = squared_errors.empty();
-  double mu = 1.0;
-  if (!squared_errors.empty())
-    mu = std::max(1.0, 2.0 * *std::max_element(squared_errors.begin(), squared_errors.end()) / squared_scale);
+  Graduation result;
+  result.squared_errors = problem.SquaredErrors();
   while (!result.converged && result.iterations < options.max_iterations) {
     const std::vector<RigidTransform> before = problem.poses();
     const absl::Status status =
-        problem.Improve(WithHold(KernelWeights(squared_errors, mu * squared_scale, graph), graph), stop);
+        problem.Improve(WithHold(KernelWeights(result.squared_errors, mu * squared_scale, graph), graph), stop);
     if (!status.ok()) return status;
     ++result.iterations;
-    squared_errors = problem.SquaredErrors();
+    result.squared_errors = problem.SquaredErrors();
     result.converged = mu == 1.0 && LargestMove(before, problem.poses(), options) <= kStill;
-    mu = std::max(1.0, mu / kSharpening);
+    mu = std::max(1.0, mu / (mu > kVeryBlunt ? kSharpening * kSharpening : kSharpening));
   }
-  result.edge_weights = KernelWeights(squared_errors, squared_scale, graph);
-  return absl::OkStatus();
+  result.T_graph_node = problem.poses();
+  result.cost = RobustCost(result.squared_errors, squared_scale, graph);
+  return result;
+}
+
+constexpr double kMost = 0.8;  // of the edges
+
+// The mu from which on the kernel is convex for this part of the edges.
+double ConvexFor(double part, std::vector<double> squared_errors, const PoseGraphOptions& options) {
+  const auto rank = static_cast<std::ptrdiff_t>(part * static_cast<double>(squared_errors.size() - 1));
+  std::nth_element(squared_errors.begin(), squared_errors.begin() + rank, squared_errors.end());
+  return std::max(1.0,
+                  2.0 * squared_errors[static_cast<size_t>(rank)] / (options.kernel_sigmas * options.kernel_sigmas));
+}
+
+// Graduates again from where MoveParts would have parts of the graph, if anywhere.
+absl::StatusOr<Graduation> WithPartsMoved(Graduation best, const PoseGraph& graph, const PoseGraphOptions& options,
+                                          const Stop& stop, PoseGraphLeastSquares& problem) {
+  constexpr int kMaxRounds = 3;
+  const double squared_scale = options.kernel_sigmas * options.kernel_sigmas;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::vector<RigidTransform> T_graph_node = best.T_graph_node;
+    const auto squared_error = [&](int edge, const RigidTransform& T_graph_source,
+                                   const RigidTransform& T_graph_target) {
+      return problem.SquaredError(edge, T_graph_source, T_graph_target);
+    };
+    if (!MoveParts(graph, KernelWeights(best.squared_errors, squared_scale, graph), squared_scale, squared_error,
+                   T_graph_node))
+      break;
+    problem.SetPoses(T_graph_node);
+    absl::StatusOr<Graduation> next =
+        Graduate(graph, options, ConvexFor(kMost, problem.SquaredErrors(), options), stop, problem);
+    if (!next.ok()) return next;
+    next->iterations += best.iterations;
+    best.iterations = next->iterations;
+    if (next->cost >= best.cost) break;
+    best = *std::move(next);
+  }
+  return best;
+}
+
+// The first graduation trusts the start: edges far from it have no say at first. Where it gives edges up, the start may
+// be to blame, and a second one begins with a kernel that is convex for all; the lower cost wins.
+absl::StatusOr<Graduation> BestGraduation(const PoseGraph& graph, const PoseGraphOptions& options, const Stop& stop,
+                                          PoseGraphLeastSquares& problem) {
+  constexpr double kBelieved = 0.05;
+  const std::vector<RigidTransform> start = BetterStart(graph, options, problem);
+  problem.SetPoses(start);
+  const std::vector<double> squared_errors = problem.SquaredErrors();
+  // Larger numbers would overflow in the products to come.
+  if (!std::all_of(squared_errors.begin(), squared_errors.end(), [](double square) { return square < 1e40; }))
+    return absl::InvalidArgumentError("the pose graph holds numbers that cannot be computed with");
+  absl::StatusOr<Graduation> best = Graduate(graph, options, ConvexFor(kMost, squared_errors, options), stop, problem);
+  if (!best.ok()) return best;
+  const std::vector<double> weights =
+      KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas, graph);
+  if (*std::min_element(weights.begin(), weights.end()) > kBelieved) return best;
+  best = WithPartsMoved(*std::move(best), graph, options, stop, problem);
+  if (!best.ok()) return best;
+  problem.SetPoses(start);
+  absl::StatusOr<Graduation> second = Graduate(graph, options, ConvexFor(1.0, squared_errors, options), stop, problem);
+  if (!second.ok()) return second;
+  second = WithPartsMoved(*std::move(second), graph, options, stop, problem);
+  if (!second.ok()) return second;
+  const int iterations = best->iterations + second->iterations;
+  if (second->cost < best->cost) best = std::move(second);
+  best->iterations = iterations;
+  problem.SetPoses(best->T_graph_node);
+  return best;
 }
 
 absl::StatusOr<PoseGraphResult> Optimize(const PoseGraph& graph, const PoseGraphOptions& options, const Stop& stop) {
   PoseGraphLeastSquares problem(graph, options);
-  problem.SetPoses(BetterStart(graph, options, problem));
   PoseGraphResult result;
-  const absl::Status status = Graduate(graph, options, stop, problem, result);
-  if (!status.ok()) return status;
+  result.converged = graph.edges.empty();
+  if (!graph.edges.empty()) {
+    const absl::StatusOr<Graduation> best = BestGraduation(graph, options, stop, problem);
+    if (!best.ok()) return best.status();
+    result.iterations = best->iterations;
+    result.converged = best->converged;
+    result.edge_weights = KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas, graph);
+  }
   if (options.with_covariances) {
     auto covariances = problem.Covariances(WithHold(result.edge_weights, graph), stop);
     if (!covariances.ok()) return covariances.status();

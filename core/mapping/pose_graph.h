@@ -33,7 +33,7 @@ struct PoseGraphOptions {
   // Standard deviations are not taken to be smaller than these: registrations are surer of themselves than they ought.
   double least_sigma_rad = 1e-4;
   double least_sigma_m = 2e-3;
-  int max_iterations = 100;
+  int max_iterations = 100;  // of one graduation; there are two where edges are given up
   bool with_covariances = true;
   int num_threads = 0;  // 0: one per processor
 };
@@ -51,7 +51,9 @@ struct PoseGraphResult {
 // Graduated non-convexity: starts with all edges believed and sharpens the kernel step by step, so that the start need
 // not be near [H. Yang, P. Antonante, V. Tzoumas, L. Carlone, "Graduated Non-Convexity for Robust Spatial Perception",
 // IEEE RA-L 5(2), 2020]. The first node of each connected component is held. INVALID_ARGUMENT: an edge names no node or
-// one node twice, is not rigid, or its covariance is not positive definite; CANCELLED; out of time: DEADLINE_EXCEEDED.
+// one node twice, is not rigid, or its covariance is not positive definite, or a number is too large to compute with;
+// FAILED_PRECONDITION: covariances so far apart that a pose is not determined; CANCELLED; out of time:
+// DEADLINE_EXCEEDED.
 absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph, const PoseGraphOptions& options = {},
                                                   const Stop& stop = {});
 

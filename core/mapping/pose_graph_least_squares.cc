@@ -16,6 +16,8 @@
 namespace curvereg {
 namespace {
 
+constexpr double kTrustRadius = 1e8;  // at the start: next to no damping
+
 // A parameter block: rotation matrix and translation, the upper rows of the transform's matrix, column by column.
 constexpr int kPoseSize = 12;
 using PoseMatrix = Eigen::Matrix<double, 3, 4>;
@@ -32,14 +34,16 @@ void FromTransform(const RigidTransform& T, double* pose) {
   matrix = T.matrix().topRows<3>();
 }
 
-// Moves as Moved makes them. Ceres asks for the edges' derivatives by the entries of the block and multiplies them by
-// PlusJacobian; EdgeCost gives those by the move at once, in the first columns, and PlusJacobian picks these out.
+// Left perturbations in the frame of the component's first node. In these coordinates a part of the graph moves as one
+// body on a straight line, however far it turns, which lets long loops close in few steps. Ceres asks for the edges'
+// derivatives by the entries of the block and multiplies them by PlusJacobian; EdgeCost gives those by the perturbation
+// at once, in the first columns, and PlusJacobian picks these out.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return kPoseSize; }
   int TangentSize() const override { return 6; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
-    FromTransform(Moved(ToTransform(x), Eigen::Map<const Vector6d>(delta)), x_plus_delta);
+    FromTransform(TransformFromVector(Eigen::Map<const Vector6d>(delta)) * ToTransform(x), x_plus_delta);
     return true;
   }
   bool PlusJacobian(const double* /*x*/, double* jacobian) const override {
@@ -47,9 +51,9 @@ class PoseManifold final : public ceres::Manifold {
     return true;
   }
   bool Minus(const double* y, const double* x, double* y_minus_x) const override {
-    const RigidTransform T_y = ToTransform(y), T_x = ToTransform(x);
+    const RigidTransform change = ToTransform(y) * ToTransform(x).inverse();
     Eigen::Map<Vector6d> difference(y_minus_x);
-    difference << VectorFromRotation(T_y.linear() * T_x.linear().transpose()), T_y.translation() - T_x.translation();
+    difference << VectorFromRotation(change.linear()), change.translation();
     return true;
   }
   bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
@@ -65,23 +69,23 @@ class EdgeCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> 
       : edge_(edge), whitening_(whitening), weight_(weight) {}
 
   bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
-    const RigidTransform T_graph_source = ToTransform(poses[0]), T_graph_target = ToTransform(poses[1]);
+    const RigidTransform T_first_source = ToTransform(poses[0]), T_first_target = ToTransform(poses[1]);
     const Matrix6d scale = std::sqrt(weight_) * whitening_;
     Eigen::Map<Vector6d> error(residuals);
-    error = scale * EdgeError(edge_.T_target_source, T_graph_source, T_graph_target);
+    error = scale * EdgeError(edge_.T_target_source, T_first_source, T_first_target);
     if (jacobians == nullptr) return true;
-    const EdgeDerivatives derivatives = DifferentiateEdge(edge_.T_target_source, T_graph_source, T_graph_target);
-    Write(scale * derivatives.by_source, jacobians[0]);
-    Write(scale * derivatives.by_target, jacobians[1]);
+    const EdgeDerivatives derivatives = DifferentiateEdge(edge_.T_target_source, T_first_source, T_first_target);
+    Write(scale * derivatives.by_source * PerturbationToMove(T_first_source), jacobians[0]);
+    Write(scale * derivatives.by_target * PerturbationToMove(T_first_target), jacobians[1]);
     return true;
   }
 
  private:
-  static void Write(const Matrix6d& by_move, double* jacobian) {
+  static void Write(const Matrix6d& derivatives, double* jacobian) {
     if (jacobian == nullptr) return;
     Eigen::Map<RowMajorJacobian> block(jacobian);
     block.setZero();
-    block.leftCols<6>() = by_move;
+    block.leftCols<6>() = derivatives;
   }
 
   const PoseGraphEdge& edge_;
@@ -117,15 +121,16 @@ struct PoseGraphLeastSquares::State {
   const PoseGraph& graph;
   std::vector<int> first_node;
   std::vector<RigidTransform> T_graph_node;
-  std::vector<double> blocks;  // kPoseSize for each node
+  std::vector<double> blocks;  // kPoseSize for each node: T_first_node
   std::vector<double> weights;
   std::vector<Matrix6d> whitening;
   std::deque<EdgeCost> costs;  // which cannot be moved
   PoseManifold manifold;
   ceres::Problem problem{Borrowing()};
-  double trust_radius = 1e8;
+  double trust_radius = kTrustRadius;
 
   double* Block(int node) { return blocks.data() + kPoseSize * static_cast<size_t>(node); }
+  const RigidTransform& FirstPose(size_t node) const { return T_graph_node[static_cast<size_t>(first_node[node])]; }
   bool Held(int node) const { return first_node[static_cast<size_t>(node)] == node; }
 };
 
@@ -164,16 +169,24 @@ const std::vector<RigidTransform>& PoseGraphLeastSquares::poses() const { return
 
 void PoseGraphLeastSquares::SetPoses(const std::vector<RigidTransform>& T_graph_node) {
   state_->T_graph_node = T_graph_node;
-  for (size_t i = 0; i < T_graph_node.size(); ++i) FromTransform(T_graph_node[i], state_->Block(static_cast<int>(i)));
+  state_->trust_radius = kTrustRadius;
+  for (size_t i = 0; i < T_graph_node.size(); ++i)
+    FromTransform(state_->FirstPose(i).inverse() * T_graph_node[i], state_->Block(static_cast<int>(i)));
+}
+
+double PoseGraphLeastSquares::SquaredError(int edge, const RigidTransform& T_graph_source,
+                                           const RigidTransform& T_graph_target) const {
+  const auto i = static_cast<size_t>(edge);
+  return (state_->whitening[i] * EdgeError(state_->graph.edges[i].T_target_source, T_graph_source, T_graph_target))
+      .squaredNorm();
 }
 
 std::vector<double> PoseGraphLeastSquares::SquaredErrors() const {
   std::vector<double> squares;
   for (size_t i = 0; i < state_->whitening.size(); ++i) {
     const PoseGraphEdge& edge = state_->graph.edges[i];
-    const Vector6d e = EdgeError(edge.T_target_source, poses()[static_cast<size_t>(edge.source)],
-                                 poses()[static_cast<size_t>(edge.target)]);
-    squares.push_back((state_->whitening[i] * e).squaredNorm());
+    squares.push_back(SquaredError(static_cast<int>(i), poses()[static_cast<size_t>(edge.source)],
+                                   poses()[static_cast<size_t>(edge.target)]));
   }
   return squares;
 }
@@ -203,7 +216,7 @@ absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights, 
   if (!summary.iterations.empty()) state.trust_radius = std::max(1e2, summary.iterations.back().trust_region_radius);
   for (size_t i = 0; i < state.T_graph_node.size(); ++i)
     if (!state.Held(static_cast<int>(i)))
-      state.T_graph_node[i] = Orthonormalised(ToTransform(state.Block(static_cast<int>(i))));
+      state.T_graph_node[i] = Orthonormalised(state.FirstPose(i) * ToTransform(state.Block(static_cast<int>(i))));
   return absl::OkStatus();
 }
 

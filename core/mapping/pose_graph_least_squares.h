@@ -29,6 +29,8 @@ class PoseGraphLeastSquares {
   // Squared lengths of the edges' errors at the poses, in standard deviations.
   std::vector<double> SquaredErrors() const;
 
+  double SquaredError(int edge, const RigidTransform& T_graph_source, const RigidTransform& T_graph_target) const;
+
   // One step towards the least sum of weights times squared errors; none when it would not get smaller.
   // CANCELLED, DEADLINE_EXCEEDED; INVALID_ARGUMENT: the numbers are beyond what can be computed with.
   absl::Status Improve(const std::vector<double>& weights, const Stop& stop);

@@ -70,15 +70,14 @@ EdgeDerivatives DifferentiateEdge(const RigidTransform& T_target_source, const R
   return derivatives;
 }
 
-RigidTransform Moved(const RigidTransform& T_graph_node, const Vector6d& move) {
-  RigidTransform moved = T_graph_node;
-  moved.linear() = RotationFromVector(move.head<3>()) * T_graph_node.linear();
-  moved.translation() += move.tail<3>();
-  return moved;
+Matrix6d PerturbationToMove(const RigidTransform& T_graph_node) {
+  // t' = Exp(omega) t + u = t + v: v = u - t x omega.
+  Matrix6d change = Matrix6d::Identity();
+  change.bottomLeftCorner<3, 3>() = -Cross(T_graph_node.translation());
+  return change;
 }
 
 Matrix6d CovarianceAboutGraph(const RigidTransform& T_graph_node, const Matrix6d& covariance_of_moves) {
-  // t' = Exp(omega) t + u = t + v: u = v + t x omega.
   Matrix6d change = Matrix6d::Identity();
   change.bottomLeftCorner<3, 3>() = Cross(T_graph_node.translation());
   return change * covariance_of_moves * change.transpose();

@@ -3,9 +3,8 @@
 //
 // How far two poses of a pose graph are from what was measured between them, in standard deviations.
 //
-// Poses move by (rotation [rad], translation [m]) in the graph frame, each node turning about its own origin:
-// R' = Exp(omega) R, t' = t + v. Turning about the graph's origin, the project's left perturbation, would couple the
-// two by lever arms of kilometres; CovarianceAboutGraph changes over at the end.
+// Derivatives are by moves (omega [rad], v [m]) of a node about its own origin: R' = Exp(omega) R, t' = t + v. A left
+// perturbation turns it about the frame's origin; PerturbationToMove and CovarianceAboutGraph change over.
 #ifndef CURVEREG_CORE_MAPPING_POSE_GRAPH_RESIDUAL_H_
 #define CURVEREG_CORE_MAPPING_POSE_GRAPH_RESIDUAL_H_
 
@@ -40,8 +39,8 @@ struct EdgeDerivatives {
 EdgeDerivatives DifferentiateEdge(const RigidTransform& T_target_source, const RigidTransform& T_graph_source,
                                   const RigidTransform& T_graph_target);
 
-// The pose after the move (omega, v).
-RigidTransform Moved(const RigidTransform& T_graph_node, const Vector6d& move);
+// B: (omega, v) = B delta is the move that the left perturbation `delta` makes, to first order.
+Matrix6d PerturbationToMove(const RigidTransform& T_graph_node);
 
 // The covariance of a pose as a left perturbation, given that of its moves.
 Matrix6d CovarianceAboutGraph(const RigidTransform& T_graph_node, const Matrix6d& covariance_of_moves);

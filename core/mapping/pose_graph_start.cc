@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/mapping/pose_graph_start.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -55,7 +56,10 @@ Step Chained(const Step& a_b, const Step& b_c) {
 // Whether two ways from one node to another lead to the same place.
 bool Agree(const Step& one, const Step& other, const PoseGraphOptions& options) {
   const Vector6d e = EdgeError(one.T_target_source, other.T_target_source, RigidTransform::Identity());
-  return (Whitening(one.covariance + other.covariance, options) * e).norm() <= options.kernel_sigmas;
+  Matrix6d covariance = one.covariance + other.covariance;
+  covariance.diagonal().head<3>().array() += options.least_sigma_rad * options.least_sigma_rad;
+  covariance.diagonal().tail<3>().array() += options.least_sigma_m * options.least_sigma_m;
+  return e.dot(covariance.llt().solve(e)) <= options.kernel_sigmas * options.kernel_sigmas;
 }
 
 EdgeSupport SupportOf(int index, const PoseGraph& graph, const Neighbours& neighbours,

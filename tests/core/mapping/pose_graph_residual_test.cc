@@ -24,6 +24,14 @@ RigidTransform RandomTransform(sim::RandomStream& random) {
   return TransformFromVector(vector);
 }
 
+// The pose after the move (omega, v).
+RigidTransform Moved(const RigidTransform& T_graph_node, const Vector6d& move) {
+  RigidTransform moved = T_graph_node;
+  moved.linear() = RotationFromVector(move.head<3>()) * T_graph_node.linear();
+  moved.translation() += move.tail<3>();
+  return moved;
+}
+
 TEST(Whitening, DividesByStandardDeviations) {
   const Matrix6d W = Whitening(DiagonalCovariance(0.01, 0.5), {});
   const Vector6d e = (Vector6d() << 0.01, 0.02, 0.0, 0.5, 0.0, 0.0).finished();
@@ -98,6 +106,13 @@ TEST(DifferentiateEdge, AgreesWithDifferences) {
       EXPECT_LT((derivatives.by_target.col(i) - by_target).norm(), 1e-6) << "turn " << turn << ", column " << i;
     }
   }
+}
+
+TEST(PerturbationToMove, GivesTheMoveThatItMakes) {
+  sim::RandomStream random(7);
+  const RigidTransform T = RandomTransform(random);
+  const Vector6d delta = 1e-6 * NormalVector(random);
+  EXPECT_THAT(Moved(T, PerturbationToMove(T) * delta), IsNear(TransformFromVector(delta) * T, 1e-9, 1e-9));
 }
 
 TEST(CovarianceAboutGraph, IsThatOfTheLeftPerturbation) {
