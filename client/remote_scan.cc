@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "wire/point_codec.h"
+#include "wire/timestamp.h"
 
 namespace curvereg::internal {
 namespace {
@@ -50,10 +51,7 @@ RemoteScan FromWire(const v1::Scan& scan) {
   }
   result.content_digest = scan.content_digest();
   result.frame_id = scan.header().frame_id();
-  const auto since_epoch =
-      std::chrono::seconds(scan.create_time().seconds()) + std::chrono::nanoseconds(scan.create_time().nanos());
-  result.create_time = std::chrono::system_clock::time_point(
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(since_epoch));
+  result.create_time = wire::TimePointOf(wire::NanosecondsOf(scan.create_time()).value_or(0));
   return result;
 }
 

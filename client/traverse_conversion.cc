@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/traverse_conversion.h"
 
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,58 +10,20 @@
 #include "wire/conversion.h"
 #include "wire/digest.h"
 #include "wire/duration.h"
+#include "wire/timestamp.h"
+#include "wire/trajectory_conversion.h"
 
 namespace curvereg::internal {
 namespace {
-
-constexpr int64_t kNanosPerSecond = 1'000'000'000;
-// Most seconds whose nanoseconds fit 64 bits, one less for the fraction.
-constexpr int64_t kMaxSeconds = std::numeric_limits<int64_t>::max() / kNanosPerSecond - 1;
 
 absl::Status Nonsense(absl::string_view what, const absl::Status& status) {
   return absl::InternalError(absl::StrCat("the server's ", what, ": ", status.ToString()));
 }
 
-absl::StatusOr<int64_t> NanosecondsOf(const google::protobuf::Timestamp& time) {
-  const bool is_whole = time.nanos() >= 0 && time.nanos() < kNanosPerSecond;
-  if (!is_whole || time.seconds() > kMaxSeconds || time.seconds() < -kMaxSeconds) {
-    return absl::InternalError("the server's time is out of range");
-  }
-  return time.seconds() * kNanosPerSecond + time.nanos();
-}
-
-std::chrono::system_clock::time_point TimePointOf(int64_t nanoseconds) {
-  return std::chrono::system_clock::time_point(
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(std::chrono::nanoseconds(nanoseconds)));
-}
-
-google::protobuf::Timestamp ToWire(int64_t nanoseconds) {
-  google::protobuf::Timestamp time;
-  int64_t seconds = nanoseconds / kNanosPerSecond;
-  if (nanoseconds % kNanosPerSecond < 0) --seconds;
-  time.set_seconds(seconds);
-  time.set_nanos(static_cast<int32_t>(nanoseconds - seconds * kNanosPerSecond));
-  return time;
-}
-
-absl::StatusOr<int> SegmentOf(uint32_t segment) {
-  if (segment > static_cast<uint32_t>(std::numeric_limits<int>::max())) {
-    return absl::InternalError("the server's number of a segment is out of range");
-  }
-  return static_cast<int>(segment);
-}
-
-absl::StatusOr<PoseOrigin> OriginOf(v1::PoseOrigin origin) {
-  switch (origin) {
-    case v1::POSE_ORIGIN_SEGMENT_START:
-      return PoseOrigin::kSegmentStart;
-    case v1::POSE_ORIGIN_REGISTERED:
-      return PoseOrigin::kRegistered;
-    case v1::POSE_ORIGIN_PRIOR:
-      return PoseOrigin::kPrior;
-    default:
-      return absl::InternalError("the server's pose has no known origin");
-  }
+absl::StatusOr<std::chrono::system_clock::time_point> TimePointOf(const google::protobuf::Timestamp& time) {
+  const std::optional<int64_t> nanoseconds = wire::NanosecondsOf(time);
+  if (!nanoseconds.has_value()) return absl::InternalError("the server's time is out of range");
+  return wire::TimePointOf(*nanoseconds);
 }
 
 // The reasons through the conversion of whole results, which knows them.
@@ -98,21 +60,6 @@ absl::Status ReadPose(const v1::RegistrationSummary& summary, LinkSummary& link)
   return absl::OkStatus();
 }
 
-// Zero for the first pose of a segment, so not positive definite as that of a registration.
-absl::StatusOr<Matrix6d> CovarianceOf(const v1::PoseCovariance& message) {
-  constexpr int kUpperTriangle = 21;
-  if (message.upper_triangle_size() != kUpperTriangle) return absl::InternalError("the server's covariance is cut off");
-  Matrix6d covariance;
-  int next = 0;
-  for (int row = 0; row < 6; ++row) {
-    for (int col = row; col < 6; ++col) covariance(row, col) = covariance(col, row) = message.upper_triangle(next++);
-  }
-  if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0.0) {
-    return absl::InternalError("the server's covariance is none");
-  }
-  return covariance;
-}
-
 template <typename Item, typename Message>
 absl::Status ReadAll(const Message& messages, std::vector<Item>& items) {
   items.reserve(static_cast<std::size_t>(messages.size()));
@@ -125,10 +72,10 @@ absl::Status ReadAll(const Message& messages, std::vector<Item>& items) {
 }
 
 absl::StatusOr<SegmentsJoined> JoinFrom(const v1::SegmentsJoined& message) {
-  const absl::StatusOr<int> segment = SegmentOf(message.segment());
-  if (!segment.ok()) return segment.status();
-  const absl::StatusOr<int> joined = SegmentOf(message.joined_segment());
-  if (!joined.ok()) return joined.status();
+  const absl::StatusOr<int> segment = wire::SegmentFromWire(message.segment());
+  if (!segment.ok()) return Nonsense("joined segments", segment.status());
+  const absl::StatusOr<int> joined = wire::SegmentFromWire(message.joined_segment());
+  if (!joined.ok()) return Nonsense("joined segments", joined.status());
   const absl::StatusOr<RigidTransform> T_segment_joined = wire::FromWire(message.t_segment_joined());
   if (!T_segment_joined.ok()) return Nonsense("joined segments", T_segment_joined.status());
   return SegmentsJoined{*segment, *joined, *T_segment_joined};
@@ -183,9 +130,9 @@ absl::StatusOr<RemoteTraverse> FromWire(const v1::Traverse& traverse) {
   result.settings.registration = *registration;
   result.settings.reorder_window = static_cast<int>(traverse.settings().reorder_window());
   result.settings.optimize_on_the_fly = traverse.settings().optimize_on_the_fly();
-  const absl::StatusOr<int64_t> create_time = NanosecondsOf(traverse.create_time());
+  const auto create_time = TimePointOf(traverse.create_time());
   if (!create_time.ok()) return create_time.status();
-  result.create_time = TimePointOf(*create_time);
+  result.create_time = *create_time;
   result.next_sequence_number = traverse.next_sequence_number();
   result.num_registered_scans = traverse.registered_scan_count();
   result.num_segments = static_cast<int>(traverse.segment_count());
@@ -195,26 +142,8 @@ absl::StatusOr<RemoteTraverse> FromWire(const v1::Traverse& traverse) {
 }
 
 absl::StatusOr<curvereg::TrajectoryPose> FromWire(const v1::TrajectoryPose& pose) {
-  curvereg::TrajectoryPose result;
-  result.sequence_number = pose.sequence_number();
-  if (pose.has_time()) {
-    const absl::StatusOr<int64_t> time_ns = NanosecondsOf(pose.time());
-    if (!time_ns.ok()) return time_ns.status();
-    result.time_ns = *time_ns;
-  }
-  const absl::StatusOr<int> segment = SegmentOf(pose.segment());
-  if (!segment.ok()) return segment.status();
-  result.segment = *segment;
-  const absl::StatusOr<RigidTransform> T_segment_scan = wire::FromWire(pose.t_segment_sensor());
-  if (!T_segment_scan.ok()) return Nonsense("pose", T_segment_scan.status());
-  result.T_segment_scan = *T_segment_scan;
-  const absl::StatusOr<PoseOrigin> origin = OriginOf(pose.origin());
-  if (!origin.ok()) return origin.status();
-  result.origin = *origin;
-  if (!pose.has_covariance()) return result;
-  const absl::StatusOr<Matrix6d> covariance = CovarianceOf(pose.covariance());
-  if (!covariance.ok()) return covariance.status();
-  result.covariance = *covariance;
+  absl::StatusOr<curvereg::TrajectoryPose> result = wire::FromWire(pose);
+  if (!result.ok()) return Nonsense("pose", result.status());
   return result;
 }
 
@@ -255,9 +184,9 @@ absl::StatusOr<curvereg::ScanResult> FromWire(const v1::ScanResult& message) {
 absl::StatusOr<TraverseEvent> FromWire(const v1::WatchTraverseResponse& message) {
   TraverseEvent event;
   event.number = message.event();
-  const absl::StatusOr<int64_t> time = NanosecondsOf(message.time());
+  const auto time = TimePointOf(message.time());
   if (!time.ok()) return time.status();
-  event.time = TimePointOf(*time);
+  event.time = *time;
   const absl::Status read = ReadWhat(message, event);
   if (!read.ok()) return read;
   return event;
@@ -277,7 +206,7 @@ absl::StatusOr<EncodedScan> Encode(const StreamedScan& scan, const TransferEncod
   header.set_sequence_number(scan.sequence_number);
   *header.mutable_header() = std::move(*cloud->mutable_header());
   header.mutable_header()->set_frame_id(scan.frame_id);
-  if (scan.time_ns) *header.mutable_header()->mutable_time() = ToWire(*scan.time_ns);
+  if (scan.time_ns) *header.mutable_header()->mutable_time() = wire::TimestampOf(*scan.time_ns);
   header.set_payload_bytes(encoded.payload.size());
   *header.mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, encoded.payload);
   if (scan.prior) {

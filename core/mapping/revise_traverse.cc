@@ -13,7 +13,7 @@
 namespace curvereg {
 namespace {
 
-constexpr double kGivenUp = 0.5;  // weight of an edge below which it counts for too little
+constexpr double kGivenUp = 0.05;  // weight of an edge that is some nine standard deviations off: no honest one is
 
 // The graph of a traverse and where its edges come from.
 struct TraverseGraph {

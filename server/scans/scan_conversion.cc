@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "wire/error.h"
+#include "wire/timestamp.h"
 
 namespace curvereg::server {
 namespace {
@@ -51,19 +52,8 @@ v1::Scan ToWire(const StoredScan& scan) {
   *message.mutable_payload_digest() = scan.payload_digest;
   message.set_finite_point_count(scan.finite_point_count);
   message.set_content_digest(scan.content_digest);
-  *message.mutable_create_time() = ToWire(scan.create_time);
+  *message.mutable_create_time() = wire::TimestampOf(scan.create_time);
   return message;
-}
-
-google::protobuf::Timestamp ToWire(std::chrono::system_clock::time_point time) {
-  // Rounded down, so that the nanoseconds are not negative before 1970 either.
-  const auto since_1970 = time.time_since_epoch();
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(since_1970);
-  google::protobuf::Timestamp timestamp;
-  timestamp.set_seconds(seconds.count());
-  timestamp.set_nanos(
-      static_cast<int32_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970 - seconds).count()));
-  return timestamp;
 }
 
 }  // namespace curvereg::server

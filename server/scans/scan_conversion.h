@@ -5,13 +5,11 @@
 #ifndef CURVEREG_SERVER_SCANS_SCAN_CONVERSION_H_
 #define CURVEREG_SERVER_SCANS_SCAN_CONVERSION_H_
 
-#include <chrono>
 #include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
 #include "curvereg/v1/scan_service.pb.h"
-#include "google/protobuf/timestamp.pb.h"
 #include "server/store/scan_store.h"
 
 namespace curvereg::server {
@@ -25,7 +23,6 @@ absl::StatusOr<std::string> ScanIdOf(std::string_view name, std::string_view fie
 absl::StatusOr<std::string> UploadIdOf(std::string_view name, std::string_view field);
 
 v1::Scan ToWire(const StoredScan& scan);
-google::protobuf::Timestamp ToWire(std::chrono::system_clock::time_point time);
 
 }  // namespace curvereg::server
 

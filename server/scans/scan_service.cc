@@ -7,6 +7,7 @@
 
 #include "server/scans/scan_conversion.h"
 #include "wire/error.h"
+#include "wire/timestamp.h"
 
 namespace curvereg::server {
 namespace {
@@ -28,7 +29,7 @@ absl::Status GetUploadWork(ScanStore& store, const v1::GetUploadRequest& request
   response.set_upload(request.upload());
   response.set_committed_offset(upload->committed_offset);
   response.set_payload_bytes(upload->description.payload_bytes);
-  *response.mutable_expire_time() = ToWire(upload->expire_time);
+  *response.mutable_expire_time() = wire::TimestampOf(upload->expire_time);
   return absl::OkStatus();
 }
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/traverses/traverse_conversion.h"
 
-#include <chrono>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -13,59 +11,14 @@
 #include "server/store/scan_identity.h"
 #include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/timestamp.h"
+#include "wire/trajectory_conversion.h"
 
 namespace curvereg::server {
 namespace {
 
 constexpr std::string_view kTraverses = "traverses/";
 constexpr uint32_t kMaxReorderWindow = 64;
-constexpr int kUpperTriangle = 21;  // numbers of a symmetric 6x6 matrix
-constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
-
-v1::PoseOrigin ToWire(PoseOrigin origin) {
-  switch (origin) {
-    case PoseOrigin::kSegmentStart:
-      return v1::POSE_ORIGIN_SEGMENT_START;
-    case PoseOrigin::kRegistered:
-      return v1::POSE_ORIGIN_REGISTERED;
-    case PoseOrigin::kPrior:
-      return v1::POSE_ORIGIN_PRIOR;
-  }
-  return v1::POSE_ORIGIN_UNSPECIFIED;
-}
-
-absl::StatusOr<PoseOrigin> FromWire(v1::PoseOrigin origin) {
-  switch (origin) {
-    case v1::POSE_ORIGIN_SEGMENT_START:
-      return PoseOrigin::kSegmentStart;
-    case v1::POSE_ORIGIN_REGISTERED:
-      return PoseOrigin::kRegistered;
-    case v1::POSE_ORIGIN_PRIOR:
-      return PoseOrigin::kPrior;
-    default:
-      return wire::FieldError("origin", "not a known origin");
-  }
-}
-
-absl::StatusOr<Matrix6d> SymmetricFromWire(const v1::PoseCovariance& message) {
-  if (message.upper_triangle_size() != kUpperTriangle) return wire::FieldError("covariance", "not 21 numbers");
-  Matrix6d matrix;
-  int next = 0;
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      matrix(row, column) = matrix(column, row) = message.upper_triangle(next++);
-    }
-  }
-  return matrix;
-}
-
-// Nullopt: beyond what 64 bits hold, 292 years around 1970.
-std::optional<int64_t> NanosecondsOf(const google::protobuf::Timestamp& time) {
-  constexpr int64_t kMaxSeconds = std::numeric_limits<int64_t>::max() / kNanosecondsPerSecond - 1;
-  if (time.seconds() > kMaxSeconds || time.seconds() < -kMaxSeconds) return std::nullopt;
-  if (time.nanos() < 0 || time.nanos() >= kNanosecondsPerSecond) return std::nullopt;
-  return time.seconds() * kNanosecondsPerSecond + time.nanos();
-}
 
 }  // namespace
 
@@ -110,39 +63,7 @@ absl::StatusOr<std::optional<Prior>> PriorOf(const v1::StreamedScanHeader& heade
 
 std::optional<int64_t> TimeOf(const v1::StreamedScanHeader& header) {
   if (!header.header().has_time()) return std::nullopt;
-  return NanosecondsOf(header.header().time());
-}
-
-v1::TrajectoryPose ToWire(const TrajectoryPose& pose) {
-  v1::TrajectoryPose message;
-  message.set_sequence_number(pose.sequence_number);
-  if (pose.time_ns.has_value()) {
-    *message.mutable_time() = ToWire(std::chrono::system_clock::time_point(std::chrono::nanoseconds(*pose.time_ns)));
-  }
-  message.set_segment(static_cast<uint32_t>(pose.segment));
-  *message.mutable_t_segment_sensor() = wire::ToWire(pose.T_segment_scan);
-  if (pose.covariance.has_value()) *message.mutable_covariance() = wire::ToWire(*pose.covariance);
-  message.set_origin(ToWire(pose.origin));
-  return message;
-}
-
-absl::StatusOr<TrajectoryPose> FromWire(const v1::TrajectoryPose& message) {
-  TrajectoryPose pose;
-  pose.sequence_number = message.sequence_number();
-  if (message.has_time()) pose.time_ns = NanosecondsOf(message.time());
-  pose.segment = static_cast<int>(message.segment());
-  absl::StatusOr<RigidTransform> T_segment_scan = wire::FromWire(message.t_segment_sensor());
-  if (!T_segment_scan.ok()) return wire::WithinField("t_segment_sensor", T_segment_scan.status());
-  pose.T_segment_scan = *T_segment_scan;
-  if (message.has_covariance()) {
-    absl::StatusOr<Matrix6d> covariance = SymmetricFromWire(message.covariance());
-    if (!covariance.ok()) return covariance.status();
-    pose.covariance = *covariance;
-  }
-  const absl::StatusOr<PoseOrigin> origin = FromWire(message.origin());
-  if (!origin.ok()) return origin.status();
-  pose.origin = *origin;
-  return pose;
+  return wire::NanosecondsOf(header.header().time());
 }
 
 v1::TraverseLink ToWire(const TraverseLink& link) {
@@ -173,7 +94,7 @@ absl::StatusOr<TraverseLink> FromStored(const StoredLink& link) {
 v1::ScanResult ToWire(const TrackedScan& tracked) {
   v1::ScanResult message;
   message.set_sequence_number(tracked.pose.sequence_number);
-  *message.mutable_pose() = ToWire(tracked.pose);
+  *message.mutable_pose() = wire::ToWire(tracked.pose);
   for (const TraverseLink& link : tracked.links) *message.add_links() = ToWire(link);
   if (tracked.deciding_link >= 0) {
     *message.mutable_result() = wire::ToWire(tracked.links[static_cast<size_t>(tracked.deciding_link)].result);

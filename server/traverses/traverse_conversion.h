@@ -30,10 +30,6 @@ absl::StatusOr<TrackingOptions> FromWire(const v1::TraverseSettings& settings, i
 absl::StatusOr<std::optional<Prior>> PriorOf(const v1::StreamedScanHeader& header);
 std::optional<int64_t> TimeOf(const v1::StreamedScanHeader& header);  // [ns] since 1970
 
-v1::TrajectoryPose ToWire(const TrajectoryPose& pose);
-// INVALID_FIELD. Covariances need not be positive definite: that of a segment's first pose is zero.
-absl::StatusOr<TrajectoryPose> FromWire(const v1::TrajectoryPose& message);
-
 v1::TraverseLink ToWire(const TraverseLink& link);
 
 // Without its times; what cannot be told (a covariance that is none) is left out.

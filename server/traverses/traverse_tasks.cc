@@ -11,11 +11,11 @@
 #include "absl/strings/str_cat.h"
 #include "core/parallel.h"
 #include "server/caught.h"
-#include "server/scans/scan_conversion.h"
 #include "server/traverses/traverse_conversion.h"
 #include "server/traverses/traverse_engine.h"
 #include "wire/duration.h"
 #include "wire/error.h"
+#include "wire/timestamp.h"
 
 namespace curvereg::server {
 namespace {
@@ -284,7 +284,7 @@ absl::StatusOr<v1::OptimizeTraverseResponse> TraverseEngine::OptimizeNow(const R
 }
 
 absl::Status TraverseEngine::Keep(TraverseStep step) {
-  const google::protobuf::Timestamp now = ToWire(std::chrono::system_clock::now());
+  const google::protobuf::Timestamp now = wire::TimestampOf(std::chrono::system_clock::now());
   {
     const std::lock_guard lock(mutex_);
     TraverseRecord record = record_;

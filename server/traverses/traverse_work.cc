@@ -10,6 +10,7 @@
 #include "core/mapping/pose_uncertainty.h"
 #include "server/traverses/traverse_conversion.h"
 #include "wire/duration.h"
+#include "wire/trajectory_conversion.h"
 
 namespace curvereg::server {
 namespace {
@@ -70,7 +71,7 @@ absl::Status TraverseWork::ReadScans(const TraverseRecord& record) {
   const absl::StatusOr<StoredPoses> poses = environment_.store->Poses(record.number, 0, TraverseStore::kAll);
   if (!poses.ok()) return poses.status();
   for (const v1::TrajectoryPose& pose : poses->poses) {
-    absl::StatusOr<TrajectoryPose> read = FromWire(pose);
+    absl::StatusOr<TrajectoryPose> read = wire::FromWire(pose);
     if (!read.ok()) return read.status();
     traverse_.poses.push_back(*std::move(read));
   }
@@ -156,7 +157,7 @@ TraverseStep TraverseWork::AddTracked(TrackedScan tracked, const AcknowledgedSca
       wire::ToWire(1e-9 * static_cast<double>(std::max<int64_t>(NowNanoseconds() - scan.time_ns, 0)));
   step.poses.push_back(result.pose());
   // As they come back from the database after a restart.
-  if (const absl::StatusOr<TrajectoryPose> kept = FromWire(result.pose()); kept.ok()) tracked.pose = *kept;
+  if (const absl::StatusOr<TrajectoryPose> kept = wire::FromWire(result.pose()); kept.ok()) tracked.pose = *kept;
   step.links = KeepLinks(tracked.links);
   AppendScan(traverse_, tracked, prior);
   scan_ids_.push_back(scan.scan_id);
@@ -208,8 +209,8 @@ absl::StatusOr<TraverseWork::Revised> TraverseWork::Revise(const Stop& stop) {
   if (!revision.ok()) return revision.status();
   TraverseStep step;
   for (TrajectoryPose& pose : revision->poses) {
-    step.poses.push_back(ToWire(pose));
-    if (const absl::StatusOr<TrajectoryPose> kept = FromWire(step.poses.back()); kept.ok()) pose = *kept;
+    step.poses.push_back(wire::ToWire(pose));
+    if (const absl::StatusOr<TrajectoryPose> kept = wire::FromWire(step.poses.back()); kept.ok()) pose = *kept;
   }
   ApplyRevision(traverse_, *revision);
   step.events = EventsOf(*revision, step.poses, traverse_.version);

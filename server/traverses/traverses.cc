@@ -21,6 +21,8 @@
 #include "server/traverses/traverse_engine.h"
 #include "server/traverses/traverse_store.h"
 #include "wire/error.h"
+#include "wire/timestamp.h"
+#include "wire/trajectory_conversion.h"
 
 namespace curvereg::server {
 namespace {
@@ -180,7 +182,7 @@ absl::StatusOr<v1::Traverse> TraversesImpl::AddTraverse(const v1::CreateTraverse
   TraverseRecord record;
   record.traverse.set_name(name);
   *record.traverse.mutable_settings() = request.settings();
-  *record.traverse.mutable_create_time() = ToWire(std::chrono::system_clock::now());
+  *record.traverse.mutable_create_time() = wire::TimestampOf(std::chrono::system_clock::now());
   if (absl::Status status = store_->AddTraverse(record); !status.ok()) return status;
   absl::StatusOr<EnginePointer> engine = MakeEngine(record);
   if (!engine.ok()) return engine.status();
@@ -365,7 +367,7 @@ absl::StatusOr<Traverses::MapSource> TraversesImpl::SourceOfMap(const std::strin
   source.version = poses->traverse.trajectory_version();
   for (size_t i = 0; i < scans->size(); ++i) {
     if (poses->poses[i].segment() != segment) continue;
-    const absl::StatusOr<TrajectoryPose> pose = FromWire(poses->poses[i]);
+    const absl::StatusOr<TrajectoryPose> pose = wire::FromWire(poses->poses[i]);
     if (!pose.ok()) return pose.status();
     source.scan_ids.push_back((*scans)[i].scan_id);
     source.T_segment_scan.push_back(pose->T_segment_scan);

@@ -231,17 +231,5 @@ TEST(ScanService, CountsCallsByTheirEnd) {
   EXPECT_EQ(MetricValue(server, "grpc_server_msg_sent_total", "ListScans"), 1);
 }
 
-TEST(ScanConversion, RoundsTimesDown) {
-  using std::chrono::nanoseconds;
-  const auto at = [](int64_t ns) {
-    return server::ToWire(std::chrono::system_clock::time_point(
-        std::chrono::duration_cast<std::chrono::system_clock::duration>(nanoseconds(ns))));
-  };
-  EXPECT_EQ(at(1'500'000'001).seconds(), 1);
-  EXPECT_EQ(at(1'500'000'001).nanos(), 500'000'001);
-  EXPECT_EQ(at(-1).seconds(), -1);
-  EXPECT_EQ(at(-1).nanos(), 999'999'999);
-}
-
 }  // namespace
 }  // namespace curvereg::testing
