@@ -8,8 +8,15 @@ find_package(TBB REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 2.1 REQUIRED)
 find_package(PNG REQUIRED)
-find_package(Ceres 2.1 REQUIRED)
 find_package(PkgConfig REQUIRED)
+# Ceres's own CMake package names the static library, which would tie the executables to the LAPACK of the machine that
+# built them (ATLAS, with libceres-dev) and to SuiteSparse; the shared one brings what it needs.
+find_library(CERES_LIBRARY NAMES libceres.so REQUIRED)
+find_path(CERES_INCLUDE_DIR ceres/ceres.h REQUIRED)
+pkg_check_modules(GLOG REQUIRED IMPORTED_TARGET libglog)
+add_library(curvereg_ceres INTERFACE)
+target_include_directories(curvereg_ceres SYSTEM INTERFACE "${CERES_INCLUDE_DIR}")
+target_link_libraries(curvereg_ceres INTERFACE "${CERES_LIBRARY}" PkgConfig::GLOG)
 pkg_check_modules(FFTW REQUIRED IMPORTED_TARGET fftw3 fftw3f)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 # FLANN's headers need LZ4 and nothing else; its own pkg-config file would link HDF5 and MPI.
