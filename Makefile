@@ -5,7 +5,7 @@ JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo paper test bench sanitizers fuzz image format lint tidy clean
+.PHONY: help deps build demo paper pictures test bench sanitizers fuzz image format lint tidy clean
 
 help: ## This list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 12
@@ -26,6 +26,11 @@ paper: deps ## The paper's tables and figures for its method, its rivals and our
 	cmake --preset release
 	cmake --build --preset release -j $(JOBS) --target bin/curvereg
 	scripts/paper.sh
+
+pictures: deps ## Draw the pictures of docs/method.md again, and print the figures beside them (a minute)
+	cmake --preset release
+	cmake --build --preset release -j $(JOBS) --target bin/curvereg
+	scripts/method_pictures.sh
 
 test: deps build ## Build and run every test
 	ctest --test-dir build/release --output-on-failure --no-tests=error -j $(JOBS)
