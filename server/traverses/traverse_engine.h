@@ -77,6 +77,8 @@ class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
   absl::Status Track();
   absl::Status InBackground(Kind kind);
   absl::StatusOr<v1::OptimizeTraverseResponse> OptimizeNow(const Request& request);
+  // Links that were still to be looked for: an optimisation without them would not be the best.
+  absl::Status LookAroundToTheEnd(const Stop& stop);
   absl::StatusOr<uint32_t> CloseLoops(const Stop& stop);
   absl::StatusOr<TraverseRevision> Revise(const Stop& stop);
   absl::Status Keep(TraverseStep step);

@@ -263,11 +263,22 @@ absl::StatusOr<TraverseRevision> TraverseEngine::Revise(const Stop& stop) {
   return std::move(revised->revision);
 }
 
+absl::Status TraverseEngine::LookAroundToTheEnd(const Stop& stop) {
+  for (TraverseRecord now = record(); now.num_linked_scans < now.traverse.registered_scan_count(); now = record()) {
+    absl::StatusOr<TraverseStep> step = work_.LookAround(false, stop);
+    if (stop.Requested()) return absl::CancelledError("cancelled while looking for links");
+    if (!step.ok()) break;  // to be tried again in the background
+    if (const absl::Status kept = Keep(*std::move(step)); !kept.ok()) return kept;
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<v1::OptimizeTraverseResponse> TraverseEngine::OptimizeNow(const Request& request) {
   if (request.stop.Requested()) return absl::CancelledError("cancelled while waiting");
   const absl::StatusOr<MemoryBudget::Reservation> reservation = ReserveForRegistration();
   if (!reservation.ok()) return reservation.status();
   if (absl::Status status = work_.Load(record()); !status.ok()) return status;
+  if (absl::Status status = LookAroundToTheEnd(request.stop); !status.ok()) return status;
   v1::OptimizeTraverseResponse response;
   if (request.request.find_loop_closures()) {
     const absl::StatusOr<uint32_t> num_closures = CloseLoops(request.stop);
