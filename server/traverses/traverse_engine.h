@@ -69,7 +69,7 @@ class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
   void Submit(Kind kind, std::shared_ptr<Request> request);
   void Run(Kind kind, const std::shared_ptr<Request>& request);
   void OnRefused(const absl::Status& status, const std::shared_ptr<Request>& request);
-  void EndTask(const absl::Status& status, bool is_refused);
+  void EndTask(const absl::Status& status, bool is_refused, Kind kind);
   void Wait(const absl::Status& status);  // with the mutex held
   void ForgetLater();                     // with the mutex held
   absl::StatusOr<MemoryBudget::Reservation> ReserveForRegistration() const;

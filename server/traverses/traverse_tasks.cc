@@ -110,14 +110,14 @@ void TraverseEngine::Submit(Kind kind, std::shared_ptr<Request> request) {
 
 void TraverseEngine::OnRefused(const absl::Status& status, const std::shared_ptr<Request>& request) {
   if (request != nullptr) request->done(status);
-  EndTask(request == nullptr ? status : absl::OkStatus(), true);
+  EndTask(request == nullptr ? status : absl::OkStatus(), true, Kind::kNone);
 }
 
 void TraverseEngine::Run(Kind kind, const std::shared_ptr<Request>& request) {
   if (request == nullptr) {
     const absl::Status status = Caught([&] { return Do(kind); });
     if (absl::IsInternal(status)) work_.Forget();  // it may have been left half done
-    EndTask(status, false);
+    EndTask(status, false, kind);
     return;
   }
   absl::StatusOr<v1::OptimizeTraverseResponse> response = Ended();
@@ -128,10 +128,10 @@ void TraverseEngine::Run(Kind kind, const std::shared_ptr<Request>& request) {
   if (!status.ok()) response = status;
   if (absl::IsInternal(status)) work_.Forget();
   request->done(std::move(response));
-  EndTask(absl::OkStatus(), false);
+  EndTask(absl::OkStatus(), false, Kind::kOptimize);
 }
 
-void TraverseEngine::EndTask(const absl::Status& status, bool is_refused) {
+void TraverseEngine::EndTask(const absl::Status& status, bool is_refused, Kind kind) {
   {
     const std::lock_guard lock(mutex_);
     working_ = false;
@@ -139,7 +139,11 @@ void TraverseEngine::EndTask(const absl::Status& status, bool is_refused) {
     if (closed_) return;  // from here on nothing of the environment may be there
     // What gave way to a scan is no failure.
     const bool is_preempted = absl::IsCancelled(status);
-    num_preempted_ = is_preempted ? num_preempted_ + 1 : 0;
+    if (is_preempted) {
+      ++num_preempted_;
+    } else if (kind == Kind::kLookAround || kind == Kind::kRevise) {
+      num_preempted_ = 0;  // a scan tracked between two attempts is no progress of theirs
+    }
     const bool is_failure = !status.ok() && !is_preempted;
     if (!is_refused) num_failures_ = is_failure ? num_failures_ + 1 : 0;
     if (is_failure) Wait(status);
