@@ -13,6 +13,10 @@ constexpr int64_t kMaxSeconds = std::numeric_limits<int64_t>::max() / kNanosPerS
 
 }  // namespace
 
+int64_t NanosecondsOf(std::chrono::system_clock::time_point time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
 google::protobuf::Timestamp TimestampOf(int64_t nanoseconds) {
   google::protobuf::Timestamp time;
   int64_t seconds = nanoseconds / kNanosPerSecond;
@@ -23,7 +27,7 @@ google::protobuf::Timestamp TimestampOf(int64_t nanoseconds) {
 }
 
 google::protobuf::Timestamp TimestampOf(std::chrono::system_clock::time_point time) {
-  return TimestampOf(std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count());
+  return TimestampOf(NanosecondsOf(time));
 }
 
 std::optional<int64_t> NanosecondsOf(const google::protobuf::Timestamp& time) {

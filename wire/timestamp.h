@@ -13,6 +13,8 @@
 
 namespace curvereg::wire {
 
+int64_t NanosecondsOf(std::chrono::system_clock::time_point time);
+
 google::protobuf::Timestamp TimestampOf(int64_t nanoseconds);
 google::protobuf::Timestamp TimestampOf(std::chrono::system_clock::time_point time);
 

@@ -10,6 +10,14 @@
 namespace curvereg {
 namespace {
 
+void Place(const TrajectoryPose& target, const Prior& T_target_scan, PoseOrigin origin, TrajectoryPose& pose) {
+  const Prior T_segment_scan = Chained({target.T_segment_scan, target.covariance}, T_target_scan);
+  pose.segment = target.segment;
+  pose.T_segment_scan = Orthonormalised(T_segment_scan.T_target_source);
+  pose.covariance = T_segment_scan.covariance;
+  pose.origin = origin;
+}
+
 class ScanTracker {
  public:
   ScanTracker(const Traverse& traverse, const TraverseScan& scan, const TraverseScanLoader& load,
@@ -19,7 +27,7 @@ class ScanTracker {
   absl::StatusOr<TrackedScan> Run() {
     tracked_.pose.sequence_number = traverse_.poses.size();
     tracked_.pose.time_ns = scan_.time_ns;
-    if (traverse_.poses.empty()) return Started();
+    if (traverse_.poses.empty()) return Unlinked();
     const absl::StatusOr<bool> is_linked = TryLink(Predecessor(), scan_.prior);
     if (!is_linked.ok()) return is_linked.status();
     if (*is_linked) return std::move(tracked_);
@@ -29,13 +37,11 @@ class ScanTracker {
       if (!is_neighbour_linked.ok()) return is_neighbour_linked.status();
       if (*is_neighbour_linked) return std::move(tracked_);
     }
-    if (HasOdometry()) return Carried();
-    return Started();
+    return Unlinked();
   }
 
  private:
   const TrajectoryPose& Predecessor() const { return traverse_.poses.back(); }
-  bool HasOdometry() const { return scan_.prior.has_value() && scan_.prior->covariance.has_value(); }
 
   // Motion since the predecessor: as told, else as before, which is a guess and no more. It serves to find other scans
   // when the predecessor's link was rejected; as one more hypothesis of that link it cost a tenth and changed nothing.
@@ -85,32 +91,16 @@ class ScanTracker {
     const RegistrationResult& result = link->result;
     const bool is_accepted = result.verdict.accepted;
     if (is_accepted) {
-      Place(target, {result.T_target_source, LinkCovariance(result, options_.pose_graph)}, PoseOrigin::kRegistered);
+      Place(target, {result.T_target_source, LinkCovariance(result, options_.pose_graph)}, PoseOrigin::kRegistered,
+            tracked_.pose);
       tracked_.deciding_link = static_cast<int>(tracked_.links.size());
     }
     tracked_.links.push_back(*std::move(link));
     return is_accepted;
   }
 
-  void Place(const TrajectoryPose& target, const Prior& T_target_scan, PoseOrigin origin) {
-    const Prior T_segment_scan = Chained({target.T_segment_scan, target.covariance}, T_target_scan);
-    tracked_.pose.segment = target.segment;
-    tracked_.pose.T_segment_scan = Orthonormalised(T_segment_scan.T_target_source);
-    tracked_.pose.covariance = T_segment_scan.covariance;
-    tracked_.pose.origin = origin;
-  }
-
-  TrackedScan Carried() {
-    Place(Predecessor(), *scan_.prior, PoseOrigin::kPrior);
-    return std::move(tracked_);
-  }
-
-  TrackedScan Started() {
-    int segment = traverse_.num_segments;
-    for (const TrajectoryPose& pose : traverse_.poses) segment = std::max(segment, pose.segment + 1);
-    tracked_.pose.segment = segment;
-    tracked_.pose.covariance = Matrix6d::Zero();
-    tracked_.pose.origin = PoseOrigin::kSegmentStart;
+  TrackedScan Unlinked() {
+    tracked_.pose = PoseWithoutLink(traverse_, scan_.time_ns, scan_.prior);
     return std::move(tracked_);
   }
 
@@ -123,6 +113,22 @@ class ScanTracker {
 };
 
 }  // namespace
+
+TrajectoryPose PoseWithoutLink(const Traverse& traverse, const std::optional<int64_t>& time_ns,
+                               const std::optional<Prior>& prior) {
+  TrajectoryPose pose;
+  pose.sequence_number = traverse.poses.size();
+  pose.time_ns = time_ns;
+  if (!traverse.poses.empty() && prior.has_value() && prior->covariance.has_value()) {
+    Place(traverse.poses.back(), *prior, PoseOrigin::kPrior, pose);
+    return pose;
+  }
+  pose.segment = traverse.num_segments;
+  for (const TrajectoryPose& before : traverse.poses) pose.segment = std::max(pose.segment, before.segment + 1);
+  pose.covariance = Matrix6d::Zero();
+  pose.origin = PoseOrigin::kSegmentStart;
+  return pose;
+}
 
 absl::StatusOr<TrackedScan> TrackScan(const Traverse& traverse, const TraverseScan& scan,
                                       const TraverseScanLoader& load, const TrackingOptions& options,

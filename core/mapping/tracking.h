@@ -61,6 +61,10 @@ struct TrackedScan {
 absl::StatusOr<TrackedScan> TrackScan(const Traverse& traverse, const TraverseScan& scan,
                                       const TraverseScanLoader& load, const TrackingOptions& options,
                                       const Stop& stop = {});
+// The pose of a scan that no registration placed: carried by a prior that has a covariance, else the first of a new
+// segment.
+TrajectoryPose PoseWithoutLink(const Traverse& traverse, const std::optional<int64_t>& time_ns,
+                               const std::optional<Prior>& prior);
 void AppendScan(Traverse& traverse, const TrackedScan& tracked, const std::optional<Prior>& prior);
 
 // Further links of a tracked scan: with the nearest kept scans (by position and overlap), and, for a scan of another

@@ -24,6 +24,10 @@ constexpr uint32_t kMaxReorderWindow = 64;
 
 std::string TraverseName(std::string_view traverse_id) { return std::string(kTraverses).append(traverse_id); }
 
+absl::Status TraverseNotFound(const std::string& name) {
+  return wire::MakeError(v1::ERROR_REASON_TRAVERSE_NOT_FOUND, absl::StrCat("no traverse of the name ", name));
+}
+
 absl::StatusOr<std::string> TraverseIdOf(std::string_view name, std::string_view field) {
   if (name.starts_with(kTraverses)) {
     std::string id(name.substr(kTraverses.size()));

@@ -20,6 +20,7 @@
 namespace curvereg::server {
 
 std::string TraverseName(std::string_view traverse_id);  // "traverses/ID"
+absl::Status TraverseNotFound(const std::string& name);  // TRAVERSE_NOT_FOUND
 // INVALID_FIELD naming `field`: not "traverses/" and 1 to 64 of a-z, 0-9 and '-'.
 absl::StatusOr<std::string> TraverseIdOf(std::string_view name, std::string_view field);
 

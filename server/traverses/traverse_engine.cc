@@ -12,18 +12,10 @@
 #include "server/traverses/traverse_conversion.h"
 #include "wire/digest.h"
 #include "wire/error.h"
+#include "wire/timestamp.h"
 
 namespace curvereg::server {
 namespace {
-
-int64_t NowNanoseconds() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-absl::Status NotFound(const std::string& name) {
-  return wire::MakeError(v1::ERROR_REASON_TRAVERSE_NOT_FOUND, absl::StrCat("no traverse of the name ", name));
-}
 
 // Digests of different algorithms do not tell: then the stored scan decides.
 bool MayBeSame(const v1::StreamedScanHeader& a, const v1::StreamedScanHeader& b) {
@@ -59,7 +51,7 @@ absl::StatusOr<StreamTicket> TraverseEngine::BeginStream(const std::stop_source&
   StreamTicket ticket;
   {
     const std::lock_guard lock(mutex_);
-    if (closed_) return NotFound(name_);
+    if (closed_) return TraverseNotFound(name_);
     TraverseRecord record = record_;
     if (absl::Status status = environment_.work.store->Fence(record); !status.ok()) return status;
     record_ = record;
@@ -73,7 +65,7 @@ absl::StatusOr<StreamTicket> TraverseEngine::BeginStream(const std::stop_source&
 
 absl::Status TraverseEngine::Check(const StreamTicket& ticket, const v1::StreamedScanHeader& header,
                                    bool* known) const {
-  if (closed_) return NotFound(name_);
+  if (closed_) return TraverseNotFound(name_);
   if (ticket.fencing_number != record_.fencing_number) {
     return wire::MakeError(v1::ERROR_REASON_WRITER_REPLACED, "another stream took the traverse over");
   }
@@ -129,7 +121,8 @@ absl::StatusOr<uint64_t> TraverseEngine::AddScan(const StreamTicket& ticket, con
     TraverseRecord record = record_;
     std::set<uint64_t> early = early_;
     CountAcknowledged(header.sequence_number(), record, early);
-    const absl::Status status = environment_.work.store->AddScan(record, {header, scan_id, NowNanoseconds()});
+    const absl::Status status = environment_.work.store->AddScan(
+        record, {header, scan_id, wire::NanosecondsOf(std::chrono::system_clock::now())});
     if (!status.ok()) return status;
     record_ = std::move(record);
     early_ = std::move(early);

@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/mapping/pose_uncertainty.h"
 #include "server/traverses/traverse_conversion.h"
 #include "wire/duration.h"
+#include "wire/timestamp.h"
 #include "wire/trajectory_conversion.h"
 
 namespace curvereg::server {
@@ -18,11 +18,6 @@ namespace {
 constexpr uint64_t kScansPerRevision = 5;
 constexpr uint64_t kRevisionShare = 50;  // a revision costs more the longer the traverse: then they are rarer
 constexpr int kPosesPerEvent = 2000;     // an event fits into a message of 4 MB, gRPC's default limit
-
-int64_t NowNanoseconds() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // Of ours or of the disk, as opposed to want of memory and cancellation.
 bool IsFault(const absl::Status& status) { return absl::IsInternal(status) || absl::IsUnavailable(status); }
@@ -128,23 +123,12 @@ absl::StatusOr<TraverseStep> TraverseWork::Track(const AcknowledgedScan& scan, b
   return AddTracked(*std::move(tracked), scan, next.prior);
 }
 
-// As the tracker does when no link is accepted.
 TrackedScan TraverseWork::Untracked(const TraverseScan& scan) const {
   TrackedScan tracked;
-  TrajectoryPose& pose = tracked.pose;
-  pose.sequence_number = traverse_.poses.size();
-  pose.time_ns = scan.time_ns;
-  pose.segment = traverse_.num_segments;
-  pose.covariance = Matrix6d::Zero();
+  tracked.pose = PoseWithoutLink(traverse_, scan.time_ns, scan.prior);
   if (traverse_.poses.empty()) return tracked;
-  const TrajectoryPose& before = traverse_.poses.back();
-  tracked.links.push_back({pose.sequence_number, before.sequence_number, LinkKind::kTracking, {}});
-  if (!scan.prior.has_value() || !scan.prior->covariance.has_value()) return tracked;
-  const Prior T_segment_scan = Chained({before.T_segment_scan, before.covariance}, *scan.prior);
-  pose.segment = before.segment;
-  pose.T_segment_scan = T_segment_scan.T_target_source;
-  pose.covariance = T_segment_scan.covariance;
-  pose.origin = PoseOrigin::kPrior;
+  tracked.links.push_back(
+      {tracked.pose.sequence_number, traverse_.poses.back().sequence_number, LinkKind::kTracking, {}});
   return tracked;
 }
 
@@ -154,7 +138,8 @@ TraverseStep TraverseWork::AddTracked(TrackedScan tracked, const AcknowledgedSca
   v1::ScanResult& result = *step.events.emplace_back().mutable_result();
   result = ToWire(tracked);
   *result.mutable_latency() =
-      wire::ToWire(1e-9 * static_cast<double>(std::max<int64_t>(NowNanoseconds() - scan.time_ns, 0)));
+      wire::ToWire(1e-9 * static_cast<double>(std::max<int64_t>(
+                              wire::NanosecondsOf(std::chrono::system_clock::now()) - scan.time_ns, 0)));
   step.poses.push_back(result.pose());
   // As they come back from the database after a restart.
   if (const absl::StatusOr<TrajectoryPose> kept = wire::FromWire(result.pose()); kept.ok()) tracked.pose = *kept;

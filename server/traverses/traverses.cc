@@ -33,10 +33,6 @@ constexpr int kMaxPageSize = 1000;
 
 using EnginePointer = std::shared_ptr<TraverseEngine>;
 
-absl::Status NotFound(const std::string& name) {
-  return wire::MakeError(v1::ERROR_REASON_TRAVERSE_NOT_FOUND, absl::StrCat("no traverse of the name ", name));
-}
-
 absl::StatusOr<int> PageSize(int wanted, int standard) {
   if (wanted < 0) return wire::FieldError("page_size", "must not be below 0");
   return wanted == 0 ? standard : std::min(wanted, kMaxPageSize);
@@ -156,7 +152,7 @@ absl::StatusOr<EnginePointer> TraversesImpl::Find(const std::string& name) {
   if (!id.ok()) return id.status();
   const std::lock_guard lock(mutex_);
   const auto found = engines_.find(name);
-  if (found == engines_.end()) return NotFound(name);
+  if (found == engines_.end()) return TraverseNotFound(name);
   return found->second;
 }
 
@@ -362,7 +358,7 @@ absl::StatusOr<Traverses::MapSource> TraversesImpl::SourceOfMap(const std::strin
   const absl::StatusOr<std::vector<AcknowledgedScan>> scans =
       store_->Scans(number, 0, static_cast<int64_t>(poses->poses.size()));
   if (!scans.ok()) return scans.status();
-  if (scans->size() != poses->poses.size()) return NotFound(name);  // deleted meanwhile
+  if (scans->size() != poses->poses.size()) return TraverseNotFound(name);  // deleted meanwhile
   MapSource source;
   source.version = poses->traverse.trajectory_version();
   for (size_t i = 0; i < scans->size(); ++i) {
