@@ -37,6 +37,9 @@ struct MethodTraits {
   Scope scope;
 };
 
+// CANCELLED: nobody is there to be answered.
+inline absl::Status CallerIsGone() { return absl::CancelledError("the caller cancelled or is gone"); }
+
 class Call {
  public:
   // Admits the call or keeps the error for `admitted()`. Echoes the request id as initial metadata x-request-id: the

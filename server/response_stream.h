@@ -37,14 +37,14 @@ class ResponseStream : public grpc::ServerWriteReactor<Response> {
   void OnWriteDone(bool ok) final {
     std::unique_lock lock(mutex_);
     writing_ = false;
-    if (!ok) End(Interruption());
+    if (!ok) End(CallerIsGone());
     Advance(std::move(lock));
   }
 
   void OnCancel() final {
     {
       const std::lock_guard lock(mutex_);
-      End(Interruption());
+      End(CallerIsGone());
     }
     // Drops a task that waits, on this thread, which comes back by OnWorked.
     call_.Cancel();
@@ -88,8 +88,6 @@ class ResponseStream : public grpc::ServerWriteReactor<Response> {
   const Call& call() const { return call_; }
 
  private:
-  static absl::Status Interruption() { return absl::CancelledError("the caller cancelled or is gone"); }
-
   absl::Status Work() {
     const absl::StatusOr<Next> next = Make(made_);
     if (next.ok()) next_ = *next;

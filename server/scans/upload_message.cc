@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <climits>
 #include <cstdint>
+#include <utility>
 
 #include "wire/digest.h"
 
@@ -119,6 +120,11 @@ bool ReadPlainChunk(const std::vector<grpc::Slice>& slices, v1::PayloadChunk& ch
 
 }  // namespace
 
+UploadMessage::UploadMessage(v1::UploadScanRequest request) : request_(std::move(request)) {
+  FindDataInRequest();
+  SumData();
+}
+
 bool UploadMessage::Parse(const grpc::ByteBuffer& buffer) {
   Clear();
   if (!buffer.Dump(&slices_).ok()) return false;
@@ -126,10 +132,18 @@ bool UploadMessage::Parse(const grpc::ByteBuffer& buffer) {
     chunk_data_.clear();
     SliceStream stream(slices_);
     if (!request_.ParseFromZeroCopyStream(&stream)) return false;
-    if (!request_.chunk().data().empty()) chunk_data_.emplace_back(request_.chunk().data());
+    FindDataInRequest();
   }
-  for (const std::string_view piece : chunk_data_) chunk_crc32c_ = wire::ExtendCrc32c(chunk_crc32c_, piece);
+  SumData();
   return true;
+}
+
+void UploadMessage::FindDataInRequest() {
+  if (!request_.chunk().data().empty()) chunk_data_.emplace_back(request_.chunk().data());
+}
+
+void UploadMessage::SumData() {
+  for (const std::string_view piece : chunk_data_) chunk_crc32c_ = wire::ExtendCrc32c(chunk_crc32c_, piece);
 }
 
 void UploadMessage::Clear() {
@@ -139,7 +153,7 @@ void UploadMessage::Clear() {
   chunk_crc32c_ = 0;
 }
 
-grpc::ByteBuffer SerializedResponse(const v1::UploadScanResponse& response) {
+grpc::ByteBuffer SerializedResponse(const google::protobuf::MessageLite& response) {
   const grpc::Slice slice(response.SerializeAsString());
   return {&slice, 1};
 }

@@ -20,6 +20,10 @@ namespace curvereg::server {
 // Movable; moving it leaves the data where it is.
 class UploadMessage {
  public:
+  UploadMessage() = default;
+  // As if it had been received. The data of a chunk stays in the request.
+  explicit UploadMessage(v1::UploadScanRequest request);
+
   // False: not an UploadScanRequest. What the message held before is gone either way.
   bool Parse(const grpc::ByteBuffer& buffer);
   void Clear();
@@ -28,17 +32,20 @@ class UploadMessage {
   const v1::UploadScanRequest& request() const { return request_; }
   // The data of a chunk, in pieces, none empty. Valid until the next Parse or Clear.
   const std::vector<std::string_view>& chunk_data() const { return chunk_data_; }
-  // CRC-32C of the data as it is. Computed by Parse, which runs while the disk pool has the message before.
+  // CRC-32C of the data as it is. Computed at once, so by Parse, which runs while the disk pool has the message before.
   uint32_t chunk_crc32c() const { return chunk_crc32c_; }
 
  private:
+  void FindDataInRequest();
+  void SumData();
+
   v1::UploadScanRequest request_;
   std::vector<grpc::Slice> slices_;  // small ones hold their bytes themselves: not to be copied
   std::vector<std::string_view> chunk_data_;
   uint32_t chunk_crc32c_ = 0;
 };
 
-grpc::ByteBuffer SerializedResponse(const v1::UploadScanResponse& response);
+grpc::ByteBuffer SerializedResponse(const google::protobuf::MessageLite& response);
 
 }  // namespace curvereg::server
 

@@ -18,8 +18,6 @@ constexpr std::size_t kMostWaiting = 3;
 
 constexpr MethodTraits kTraits = {v1::ScanService::service_full_name(), "UploadScan", Scope::kWrite};
 
-absl::Status Interruption() { return absl::CancelledError("the caller cancelled or is gone"); }
-
 }  // namespace
 
 UploadStream::UploadStream(const Environment& environment, grpc::CallbackServerContext& context)
@@ -46,7 +44,7 @@ void UploadStream::OnReadDone(bool ok) {
     arrived_.push_back(std::exchange(arriving_, {}));
   } else {
     // The messages before still count, unless the caller is gone.
-    input_end_ = context_.IsCancelled() ? Interruption()
+    input_end_ = context_.IsCancelled() ? CallerIsGone()
                                         : wire::MakeError(v1::ERROR_REASON_UNEXPECTED_MESSAGE,
                                                           "the stream ended, or was not readable, before finish");
   }
@@ -56,14 +54,14 @@ void UploadStream::OnReadDone(bool ok) {
 void UploadStream::OnWriteDone(bool ok) {
   std::unique_lock lock(mutex_);
   writing_ = false;
-  if (!ok) End(Interruption());
+  if (!ok) End(CallerIsGone());
   Advance(std::move(lock));
 }
 
 void UploadStream::OnCancel() {
   {
     const std::lock_guard lock(mutex_);
-    End(Interruption());
+    End(CallerIsGone());
   }
   // Drops a task that waits, on this thread, which comes back by OnWorked.
   call_.Cancel();

@@ -21,15 +21,8 @@ constexpr int kMostResults = 8;  // read at once
 
 constexpr MethodTraits kTraits = {v1::TraverseService::service_full_name(), "StreamScans", Scope::kWrite};
 
-absl::Status Interruption() { return absl::CancelledError("the caller cancelled or is gone"); }
-
 bool Parse(grpc::ByteBuffer& buffer, v1::StreamScansRequest& request) {
   return grpc::SerializationTraits<v1::StreamScansRequest>::Deserialize(&buffer, &request).ok();
-}
-
-grpc::ByteBuffer Serialized(const v1::StreamScansResponse& response) {
-  const grpc::Slice slice(response.SerializeAsString());
-  return {&slice, 1};
 }
 
 }  // namespace
@@ -59,7 +52,7 @@ void ScanStream::OnReadDone(bool ok) {
     // The messages before still count.
     input_end_ = wire::MakeError(v1::ERROR_REASON_UNEXPECTED_MESSAGE, "a message was not readable");
   } else {
-    input_end_ = context_.IsCancelled() ? Interruption() : absl::OkStatus();
+    input_end_ = context_.IsCancelled() ? CallerIsGone() : absl::OkStatus();
   }
   Advance(std::move(lock));
 }
@@ -67,14 +60,14 @@ void ScanStream::OnReadDone(bool ok) {
 void ScanStream::OnWriteDone(bool ok) {
   std::unique_lock lock(mutex_);
   writing_ = false;
-  if (!ok) Interrupt(Interruption());
+  if (!ok) Interrupt(CallerIsGone());
   Advance(std::move(lock));
 }
 
 void ScanStream::OnCancel() {
   {
     const std::lock_guard lock(mutex_);
-    Interrupt(Interruption());
+    Interrupt(CallerIsGone());
   }
   // Drops a task that waits, on this thread, which comes back by OnWorked.
   call_.Cancel();
@@ -179,7 +172,7 @@ void ScanStream::Write() {
     *response.mutable_result() = std::move(results_.front());
     results_.pop_front();
   }
-  written_ = Serialized(response);
+  written_ = SerializedResponse(response);
   writing_ = true;
   call_.CountSent();
   StartWrite(&written_);

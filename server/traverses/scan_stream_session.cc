@@ -131,7 +131,7 @@ absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::StartUpload() {
   *start.mutable_header() = scan_->header.header();
   start.set_payload_bytes(scan_->header.payload_bytes());
   *start.mutable_payload_digest() = scan_->header.payload_digest();
-  return Upload(request);
+  return Upload(std::move(request));
 }
 
 absl::Status ScanStreamSession::ForgetPartialUpload() {
@@ -147,6 +147,11 @@ ScanStreamSession::Answer ScanStreamSession::Append(v1::PayloadChunk& chunk) {
   if (!scan_.has_value()) return OrderError("a chunk came before a header");
   if (const absl::Status status = CheckChunk(chunk); !status.ok()) return status;
   const uint64_t num_known = scan_->committed_offset - chunk.offset();
+  // What is new the upload checks.
+  if (num_known > 0 && chunk.crc32c() != wire::Crc32c(chunk.data())) {
+    environment_.uploads.metrics->ChecksumFailed();
+    return wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "a chunk does not have the CRC-32C that came with it");
+  }
   if (num_known >= chunk.data().size()) return std::nullopt;
   v1::UploadScanRequest request;
   *request.mutable_chunk() = std::move(chunk);
@@ -156,7 +161,7 @@ ScanStreamSession::Answer ScanStreamSession::Append(v1::PayloadChunk& chunk) {
     rest.set_offset(scan_->committed_offset);
     rest.set_crc32c(wire::Crc32c(rest.data()));
   }
-  const absl::StatusOr<v1::UploadScanResponse> progress = Upload(request);
+  const absl::StatusOr<v1::UploadScanResponse> progress = Upload(std::move(request));
   if (!progress.ok()) return progress.status();
   scan_->committed_offset = progress->progress().committed_offset();
   return scan_->committed_offset == scan_->header.payload_bytes() ? Finish() : Ack();
@@ -174,17 +179,13 @@ absl::Status ScanStreamSession::CheckChunk(const v1::PayloadChunk& chunk) const 
   if (chunk.data().size() > scan_->header.payload_bytes() - chunk.offset()) {
     return OffsetError("a chunk goes beyond the declared size", scan_->committed_offset);
   }
-  if (chunk.crc32c() != wire::Crc32c(chunk.data())) {
-    environment_.uploads.metrics->ChecksumFailed();
-    return wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "a chunk does not have the CRC-32C that came with it");
-  }
   return absl::OkStatus();
 }
 
 ScanStreamSession::Answer ScanStreamSession::Finish() {
   v1::UploadScanRequest request;
   request.mutable_finish();
-  const absl::StatusOr<v1::UploadScanResponse> done = Upload(request);
+  const absl::StatusOr<v1::UploadScanResponse> done = Upload(std::move(request));
   if (!done.ok()) return done.status();
   return AddToTraverse(done->done().scan().name());
 }
@@ -215,10 +216,8 @@ v1::StreamScansResponse ScanStreamSession::Ack() const {
   return response;
 }
 
-absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::Upload(const v1::UploadScanRequest& request) {
-  const grpc::Slice slice(request.SerializeAsString());
-  UploadMessage message;
-  if (!message.Parse(grpc::ByteBuffer(&slice, 1))) return absl::InternalError("our own message is not readable");
+absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::Upload(v1::UploadScanRequest request) {
+  UploadMessage message(std::move(request));
   return upload_->Handle(message);
 }
 

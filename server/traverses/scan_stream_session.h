@@ -70,7 +70,7 @@ class ScanStreamSession {
   Answer Finish();
   Answer AddToTraverse(const std::string& scan_name);
   absl::StatusOr<v1::UploadScanResponse> StartUpload();
-  absl::StatusOr<v1::UploadScanResponse> Upload(const v1::UploadScanRequest& request);
+  absl::StatusOr<v1::UploadScanResponse> Upload(v1::UploadScanRequest request);
   absl::Status ForgetPartialUpload();
   absl::Status CheckChunk(const v1::PayloadChunk& chunk) const;
   v1::StreamScansResponse Complete(const std::string& scan_id);
