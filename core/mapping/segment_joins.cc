@@ -14,7 +14,8 @@ struct Connection {
   int lower = 0;
   int upper = 0;
   RigidTransform T_lower_upper = RigidTransform::Identity();
-  int num_agreeing = 0;  // links that say the same, this one included
+  Eigen::Vector3d place_upper = Eigen::Vector3d::Zero();  // of the link's scan there
+  int num_agreeing = 0;                                   // links that say the same, this one included
 };
 
 std::vector<Connection> ConnectionsOf(const Traverse& traverse, const std::set<size_t>& excluded_links) {
@@ -27,22 +28,25 @@ std::vector<Connection> ConnectionsOf(const Traverse& traverse, const std::set<s
     const RigidTransform T_target_source =
         target.T_segment_scan * link.result.T_target_source * source.T_segment_scan.inverse();
     if (target.segment < source.segment) {
-      connections.push_back({target.segment, source.segment, T_target_source, 0});
+      connections.push_back({target.segment, source.segment, T_target_source, source.T_segment_scan.translation()});
     } else {
-      connections.push_back({source.segment, target.segment, T_target_source.inverse(), 0});
+      connections.push_back(
+          {source.segment, target.segment, T_target_source.inverse(), target.T_segment_scan.translation()});
     }
   }
   return connections;
 }
 
-// Agreement is asked at the place of the scans, not at the origin of a segment that may be far away; a metre and six
-// degrees tell look-alike places apart and forgive what segments have drifted.
+// Agreement is asked half-way between the two links' scans, not at the origin of a segment that may be far away: there
+// a thousandth of a radian is a metre per kilometre. A metre and six degrees tell look-alike places apart and forgive
+// what segments have drifted.
 bool Agree(const Connection& a, const Connection& b) {
   constexpr double kSameM = 1.0;
   constexpr double kSameRad = 0.1;
   if (a.lower != b.lower || a.upper != b.upper) return false;
-  const TransformDifference difference = Difference(a.T_lower_upper, b.T_lower_upper);
-  return difference.translation_m < kSameM && difference.rotation_rad < kSameRad;
+  const Eigen::Vector3d place_upper = 0.5 * (a.place_upper + b.place_upper);
+  const double distance_m = (a.T_lower_upper * place_upper - b.T_lower_upper * place_upper).norm();
+  return distance_m < kSameM && Difference(a.T_lower_upper, b.T_lower_upper).rotation_rad < kSameRad;
 }
 
 }  // namespace

@@ -83,6 +83,43 @@ TEST(PlaceSegmentsTest, WhatMostLinksSayCounts) {
   EXPECT_EQ(places.at(2).root, 2);
 }
 
+// Links that are off by a few milliradians say metres of difference at an origin 500 m away, but agree where they are.
+TEST(PlaceSegmentsTest, LinksFarFromTheOriginAgreeWhereTheyAre) {
+  Traverse traverse = ThreeSegments();
+  for (uint64_t number = 3; number < 6; ++number) traverse.poses[number].T_segment_scan.translation().x() += 500.0;
+  Link(traverse, 3, 0, 30.0);  // wrong, and the first
+  Link(traverse, 4, 1);
+  Link(traverse, 5, 2);
+  for (const size_t i : {1, 2}) {
+    RigidTransform& T = traverse.links[i].result.T_target_source;
+    T.linear() = RotationFromVector({0.0, 0.0, i == 1 ? 0.005 : -0.005}) * T.linear();
+  }
+  const RigidTransform T_root_segment = PlaceSegments(traverse, {}).at(1).T_root_segment;
+  const RigidTransform T_true = kTrueFrames[0].inverse() * kTrueFrames[1];
+  const Eigen::Vector3d place = traverse.poses[4].T_segment_scan.translation();
+  EXPECT_LT((T_root_segment * place - T_true * place).norm(), 0.1);
+  EXPECT_LT(Difference(T_root_segment, T_true).rotation_rad, 0.006);
+}
+
+// Turned about the segment's origin, links agree there and nowhere else.
+TEST(PlaceSegmentsTest, LinksThatAgreeAtTheOriginAloneDoNot) {
+  Traverse traverse = ThreeSegments();
+  for (uint64_t number = 3; number < 6; ++number) traverse.poses[number].T_segment_scan.translation().x() += 500.0;
+  Link(traverse, 3, 0);
+  Link(traverse, 4, 1);
+  Link(traverse, 5, 2);
+  const RigidTransform T_true = kTrueFrames[0].inverse() * kTrueFrames[1];
+  for (const size_t i : {0, 2}) {  // 15 m off at the scans to either side, nothing at the origin
+    const TraverseLink& link = traverse.links[i];
+    RigidTransform T_wrong = T_true;
+    T_wrong.linear() = T_true.linear() * RotationFromVector({0.0, 0.0, i == 0 ? 0.03 : -0.03});
+    traverse.links[i].result.T_target_source =
+        traverse.poses[link.target].T_segment_scan.inverse() * T_wrong * traverse.poses[link.source].T_segment_scan;
+  }
+  traverse.links.push_back(traverse.links[1]);
+  EXPECT_THAT(PlaceSegments(traverse, {}).at(1).T_root_segment, IsNear(T_true, 1e-9, 1e-9));
+}
+
 TEST(PlaceSegmentsTest, TheLowerNumberNeedNotBeTheLinksTarget) {
   Traverse traverse = ThreeSegments();
   std::swap(traverse.poses[0].segment, traverse.poses[8].segment);  // pose 0 now of segment 2, pose 8 of segment 0
