@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
+#include <memory>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "core/mapping/link_registration.h"
 #include "core/mapping/loop_candidates.h"
@@ -20,15 +23,15 @@ class LinkFinder {
 
   std::vector<TraverseLink> Take() { return std::move(links_); }
 
-  // Pairs whose positions are known.
-  absl::Status RegisterPairs(const std::vector<PairCandidate>& candidates, LinkKind kind) {
-    for (const PairCandidate& candidate : candidates) {
-      const Prior relative =
-          RelativePose(traverse_.poses[candidate.target], traverse_.poses[candidate.source], RelativeOptions());
-      const absl::StatusOr<bool> is_accepted = Register({candidate.source, candidate.target, kind, relative});
-      if (!is_accepted.ok()) return is_accepted.status();
-    }
-    return absl::OkStatus();
+  // Registers pairs whose positions are known.
+  TryPair TryWithPrior(LinkKind kind) {
+    return [this, kind](const PairCandidate& pair) -> absl::StatusOr<bool> {
+      const Prior relative = RelativePose(traverse_.poses[pair.target], traverse_.poses[pair.source],
+                                          {.shared_gap = std::max(1, options_.min_loop_gap) - 1});
+      const absl::StatusOr<Outcome> outcome = Register({pair.source, pair.target, kind, relative});
+      if (!outcome.ok()) return outcome.status();
+      return *outcome != Outcome::kNotKept;
+    };
   }
 
   // Places of older segments that look like this scan's, until one is recognised. Uses up `num_tries`.
@@ -43,45 +46,52 @@ class LinkFinder {
     for (const AlikePlace& place : *ranked) {
       if (num_tries <= 0 || place.likeness == 0) break;
       if (partners.contains(place.sequence_number)) continue;
-      --num_tries;
       const uint64_t source = std::max(sequence_number, place.sequence_number);
       const uint64_t target = std::min(sequence_number, place.sequence_number);
-      const absl::StatusOr<bool> is_accepted = Register({source, target, kind, std::nullopt});
-      if (!is_accepted.ok()) return is_accepted.status();
-      if (*is_accepted) break;
+      const absl::StatusOr<Outcome> outcome = Register({source, target, kind, std::nullopt});
+      if (!outcome.ok()) return outcome.status();
+      if (*outcome != Outcome::kNotKept) --num_tries;
+      if (*outcome == Outcome::kAccepted) break;
     }
     return absl::OkStatus();
   }
 
  private:
-  RelativePoseOptions RelativeOptions() const {
-    RelativePoseOptions relative;
-    relative.shared_gap = options_.min_loop_gap - 1;
-    return relative;
+  enum class Outcome { kNotKept, kRejected, kAccepted };
+
+  // Asks once for each scan that is not kept: it may be in many pairs.
+  absl::StatusOr<std::shared_ptr<const PreparedScan>> Load(uint64_t sequence_number) {
+    if (not_kept_.contains(sequence_number)) return absl::NotFoundError("not kept");
+    absl::StatusOr<std::shared_ptr<const PreparedScan>> scan = load_(sequence_number, stop_);
+    if (absl::IsNotFound(scan.status())) not_kept_.insert(sequence_number);
+    return scan;
+  }
+  TraverseScanLoader Loader() {
+    return [this](uint64_t sequence_number, const Stop& /*stop*/) { return Load(sequence_number); };
   }
 
   absl::StatusOr<std::vector<AlikePlace>> Ranked(uint64_t sequence_number, const std::vector<uint64_t>& places) {
-    const absl::StatusOr<std::shared_ptr<const PreparedScan>> scan = load_(sequence_number, stop_);
+    const absl::StatusOr<std::shared_ptr<const PreparedScan>> scan = Load(sequence_number);
     if (!scan.ok()) return scan.status();
     const absl::StatusOr<ViewFeatures> features = PlaceFeatures(**scan, stop_);
     if (!features.ok()) return features.status();
-    return RankPlaces(*features, places, load_, stop_);
+    return RankPlaces(*features, {places, options_.max_places_compared}, Loader(), stop_);
   }
 
-  // False also when a scan is not kept.
-  absl::StatusOr<bool> Register(const LinkRequest& request) {
+  absl::StatusOr<Outcome> Register(const LinkRequest& request) {
+    if (not_kept_.contains(request.target)) return Outcome::kNotKept;  // before the source is loaded
     if (source_ == nullptr || source_number_ != request.source) {
-      const absl::StatusOr<std::shared_ptr<const PreparedScan>> source = load_(request.source, stop_);
-      if (absl::IsNotFound(source.status())) return false;
+      const absl::StatusOr<std::shared_ptr<const PreparedScan>> source = Load(request.source);
+      if (absl::IsNotFound(source.status())) return Outcome::kNotKept;
       if (!source.ok()) return source.status();
       source_ = *source;
       source_number_ = request.source;
     }
-    absl::StatusOr<TraverseLink> link = RegisterLink(*source_, request, load_, options_.registration, stop_);
-    if (absl::IsNotFound(link.status())) return false;
+    absl::StatusOr<TraverseLink> link = RegisterLink(*source_, request, Loader(), options_.registration, stop_);
+    if (absl::IsNotFound(link.status())) return Outcome::kNotKept;
     if (!link.ok()) return link.status();
     links_.push_back(*std::move(link));
-    return links_.back().result.verdict.accepted;
+    return links_.back().result.verdict.accepted ? Outcome::kAccepted : Outcome::kRejected;
   }
 
   const Traverse& traverse_;
@@ -89,6 +99,7 @@ class LinkFinder {
   const TrackingOptions& options_;
   const Stop& stop_;
   std::vector<TraverseLink> links_;
+  std::set<uint64_t> not_kept_;
   std::shared_ptr<const PreparedScan> source_;  // the last one used
   uint64_t source_number_ = 0;
 };
@@ -117,8 +128,7 @@ absl::StatusOr<std::vector<TraverseLink>> FindLinks(const Traverse& traverse, ui
                                                     const Stop& stop) {
   if (sequence_number >= traverse.poses.size()) return absl::InvalidArgumentError("the traverse has no such scan");
   LinkFinder finder(traverse, load, options, stop);
-  const std::vector<PairCandidate> neighbours = FindNeighbourCandidates(traverse, sequence_number, options);
-  absl::Status status = finder.RegisterPairs(neighbours, LinkKind::kNeighbour);
+  absl::Status status = TryNeighbours(traverse, sequence_number, options, finder.TryWithPrior(LinkKind::kNeighbour));
   if (!status.ok()) return status;
   int num_tries = options.max_loop_candidates;
   status = finder.SearchOlderSegments(sequence_number, LinkKind::kNeighbour, num_tries);
@@ -129,8 +139,7 @@ absl::StatusOr<std::vector<TraverseLink>> FindLinks(const Traverse& traverse, ui
 absl::StatusOr<std::vector<TraverseLink>> FindLoopClosures(const Traverse& traverse, const TraverseScanLoader& load,
                                                            const TrackingOptions& options, const Stop& stop) {
   LinkFinder finder(traverse, load, options, stop);
-  const std::vector<PairCandidate> loops = FindLoopCandidates(traverse, options);
-  absl::Status status = finder.RegisterPairs(loops, LinkKind::kLoopClosure);
+  absl::Status status = TryLoops(traverse, options, finder.TryWithPrior(LinkKind::kLoopClosure));
   if (!status.ok()) return status;
   int num_tries = options.max_loop_candidates;
   for (const uint64_t sequence_number : ScansToRecognise(traverse)) {

@@ -28,6 +28,10 @@ absl::StatusOr<TraverseLink> RegisterLink(const PreparedScan& source, const Link
                                           const TraverseScanLoader& load, const RegistrationOptions& options,
                                           const Stop& stop);
 
+// Scans that are not kept, or cannot be used, are passed over and others tried instead; after so many a search beside
+// one scan ends, for each of them may have to be read.
+inline constexpr int kMaxNotKept = 50;
+
 // The scans that have a link with this one, accepted or not.
 std::set<uint64_t> LinkedPartners(const Traverse& traverse, uint64_t sequence_number);
 

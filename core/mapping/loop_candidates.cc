@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "core/mapping/link_registration.h"
 #include "core/mapping/pose_uncertainty.h"
@@ -40,11 +41,13 @@ std::vector<double> PositionSigmas(const Traverse& traverse) {
   return sigmas;
 }
 
+uint64_t LoopGap(const TrackingOptions& options) { return static_cast<uint64_t>(std::max(1, options.min_loop_gap)); }
+
 std::vector<PairCandidate> PairsWithinReach(const Traverse& traverse, const TrackingOptions& options) {
   std::set<Pair> linked;
   for (const TraverseLink& link : traverse.links) linked.emplace(link.source, link.target);
   const std::vector<double> sigmas = PositionSigmas(traverse);
-  const auto gap = static_cast<size_t>(std::max(1, options.min_loop_gap));
+  const uint64_t gap = LoopGap(options);
   std::vector<PairCandidate> pairs;
   for (size_t source = gap; source < traverse.poses.size(); ++source) {
     for (size_t target = 0; target + gap <= source; ++target) {
@@ -58,17 +61,37 @@ std::vector<PairCandidate> PairsWithinReach(const Traverse& traverse, const Trac
   return pairs;
 }
 
-// Ends within three scans of each other's: they tie the same two stretches of the path together.
-bool Repeats(const PairCandidate& candidate, const Pair& other) {
-  constexpr uint64_t kSameStretch = 3;
-  const auto gap = [](uint64_t a, uint64_t b) { return std::max(a, b) - std::min(a, b); };
-  return gap(candidate.source, other.first) <= kSameStretch && gap(candidate.target, other.second) <= kSameStretch;
-}
+constexpr uint64_t kSameStretch = 3;  // scans
+
+// Loops that were tried or are there already.
+class TakenLoops {
+ public:
+  TakenLoops(const Traverse& traverse, uint64_t least_gap) {
+    for (const TraverseLink& link : traverse.links) {
+      if (link.result.verdict.accepted && link.source - link.target >= least_gap) Add({link.source, link.target});
+    }
+  }
+
+  void Add(const Pair& pair) { taken_.insert(pair); }
+
+  // Ends within kSameStretch scans of each other's: they tie the same two stretches of the path together.
+  bool IsRepeatedBy(const PairCandidate& candidate) const {
+    const auto below = [](uint64_t number) { return number - std::min(number, kSameStretch); };
+    for (uint64_t source = below(candidate.source); source <= candidate.source + kSameStretch; ++source) {
+      const auto first = taken_.lower_bound({source, below(candidate.target)});
+      if (first != taken_.end() && *first <= Pair(source, candidate.target + kSameStretch)) return true;
+    }
+    return false;
+  }
+
+ private:
+  std::set<Pair> taken_;
+};
 
 }  // namespace
 
-std::vector<PairCandidate> FindNeighbourCandidates(const Traverse& traverse, uint64_t sequence_number,
-                                                   const TrackingOptions& options) {
+absl::Status TryNeighbours(const Traverse& traverse, uint64_t sequence_number, const TrackingOptions& options,
+                           const TryPair& try_pair) {
   const TrajectoryPose& pose = traverse.poses[sequence_number];
   const std::set<uint64_t> partners = LinkedPartners(traverse, sequence_number);
   std::vector<PairCandidate> candidates;
@@ -80,35 +103,38 @@ std::vector<PairCandidate> FindNeighbourCandidates(const Traverse& traverse, uin
     candidates.push_back({std::max(number, sequence_number), std::min(number, sequence_number), distance_m});
   }
   std::sort(candidates.begin(), candidates.end(), IsNearer);
-  const auto most = static_cast<size_t>(std::max(0, options.num_neighbours));
-  if (candidates.size() > most) candidates.resize(most);
-  return candidates;
+  int num_tried = 0;
+  int num_not_kept = 0;
+  for (const PairCandidate& candidate : candidates) {
+    if (num_tried >= options.num_neighbours || num_not_kept >= kMaxNotKept) break;
+    const absl::StatusOr<bool> was_tried = try_pair(candidate);
+    if (!was_tried.ok()) return was_tried.status();
+    ++(*was_tried ? num_tried : num_not_kept);
+  }
+  return absl::OkStatus();
 }
 
-std::vector<PairCandidate> FindLoopCandidates(const Traverse& traverse, const TrackingOptions& options) {
-  std::vector<Pair> taken;
-  for (const TraverseLink& link : traverse.links) {
-    if (link.result.verdict.accepted && link.source - link.target >= static_cast<uint64_t>(options.min_loop_gap)) {
-      taken.emplace_back(link.source, link.target);
+absl::Status TryLoops(const Traverse& traverse, const TrackingOptions& options, const TryPair& try_pair) {
+  TakenLoops taken(traverse, LoopGap(options));
+  int num_tried = 0;
+  std::vector<PairCandidate> pairs = PairsWithinReach(traverse, options);
+  for (const bool also_repeating : {false, true}) {
+    std::vector<PairCandidate> repeating;
+    for (const PairCandidate& pair : pairs) {
+      if (num_tried >= options.max_loop_candidates) return absl::OkStatus();
+      if (!also_repeating && taken.IsRepeatedBy(pair)) {
+        repeating.push_back(pair);
+        continue;
+      }
+      const absl::StatusOr<bool> was_tried = try_pair(pair);
+      if (!was_tried.ok()) return was_tried.status();
+      if (!*was_tried) continue;
+      ++num_tried;
+      taken.Add({pair.source, pair.target});
     }
+    pairs = std::move(repeating);
   }
-  const auto most = static_cast<size_t>(std::max(0, options.max_loop_candidates));
-  std::vector<PairCandidate> chosen;
-  std::vector<PairCandidate> repeating;
-  for (const PairCandidate& candidate : PairsWithinReach(traverse, options)) {
-    if (chosen.size() == most) return chosen;
-    const bool repeats =
-        std::any_of(taken.begin(), taken.end(), [&](const Pair& other) { return Repeats(candidate, other); });
-    if (repeats) {
-      if (repeating.size() < most) repeating.push_back(candidate);
-      continue;
-    }
-    chosen.push_back(candidate);
-    taken.emplace_back(candidate.source, candidate.target);
-  }
-  repeating.resize(std::min(repeating.size(), most - chosen.size()));
-  chosen.insert(chosen.end(), repeating.begin(), repeating.end());
-  return chosen;
+  return absl::OkStatus();
 }
 
 }  // namespace curvereg

@@ -6,8 +6,10 @@
 #define CURVEREG_CORE_MAPPING_LOOP_CANDIDATES_H_
 
 #include <cstdint>
-#include <vector>
+#include <functional>
 
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/mapping/tracking.h"
 
 namespace curvereg {
@@ -18,15 +20,20 @@ struct PairCandidate {
   double distance_m = 0.0;  // of the two positions
 };
 
-// The `num_neighbours` scans nearest to this one, of its segment, within max_neighbour_distance_m, that have no link
-// with it yet: nearest first. O(poses + links).
-std::vector<PairCandidate> FindNeighbourCandidates(const Traverse& traverse, uint64_t sequence_number,
-                                                   const TrackingOptions& options);
+// Tries a pair. False: it could not be tried, because one of its scans is not kept; it then counts for nothing. An
+// error ends the search.
+using TryPair = std::function<absl::StatusOr<bool>(const PairCandidate& pair)>;
 
-// Pairs of one segment, min_loop_gap or more apart in sequence, whose distance is below loop_distance_m plus three
-// standard deviations of it: at most max_loop_candidates, nearest first, but spread along the path: pairs that repeat a
-// better one, or an accepted link, come last. Pairs that have a link are left out. O(poses^2 + links).
-std::vector<PairCandidate> FindLoopCandidates(const Traverse& traverse, const TrackingOptions& options);
+// The scans nearest to this one, of its segment, within max_neighbour_distance_m, that have no link with it yet:
+// nearest first, until `num_neighbours` were tried or kMaxNotKept could not be. O(poses log poses + links).
+absl::Status TryNeighbours(const Traverse& traverse, uint64_t sequence_number, const TrackingOptions& options,
+                           const TryPair& try_pair);
+
+// Pairs of one segment, min_loop_gap (at least 1) or more apart in sequence, whose distance is below loop_distance_m
+// plus three standard deviations of it, until max_loop_candidates were tried: nearest first, but spread along the path:
+// pairs that repeat one that was tried, or an accepted link, come last. Pairs that have a link are left out.
+// O(poses^2 + links), and O(log) of what was tried for each pair within reach.
+absl::Status TryLoops(const Traverse& traverse, const TrackingOptions& options, const TryPair& try_pair);
 
 }  // namespace curvereg
 

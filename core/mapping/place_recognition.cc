@@ -29,14 +29,19 @@ int PlaceLikeness(const ViewFeatures& a, const ViewFeatures& b) {
   return found.hypotheses.empty() ? 0 : found.hypotheses.front().num_inliers;
 }
 
-absl::StatusOr<std::vector<AlikePlace>> RankPlaces(const ViewFeatures& place,
-                                                   std::span<const uint64_t> sequence_numbers,
+absl::StatusOr<std::vector<AlikePlace>> RankPlaces(const ViewFeatures& place, const PlacesToCompare& to_compare,
                                                    const TraverseScanLoader& load, const Stop& stop) {
   std::vector<AlikePlace> places;
-  for (const uint64_t number : sequence_numbers) {
+  const auto most = static_cast<size_t>(std::max(0, to_compare.most));
+  int num_not_kept = 0;
+  for (const uint64_t number : to_compare.sequence_numbers) {
+    if (places.size() >= most || num_not_kept >= kMaxNotKept) break;
     if (absl::Status status = StopStatus(stop); !status.ok()) return status;
     const absl::StatusOr<std::shared_ptr<const PreparedScan>> scan = load(number, stop);
-    if (absl::IsNotFound(scan.status())) continue;
+    if (absl::IsNotFound(scan.status())) {
+      ++num_not_kept;
+      continue;
+    }
     if (!scan.ok()) return scan.status();
     const absl::StatusOr<const ViewFeatures*> view = (*scan)->View(BirdsEyeView::kElevation, 0, stop);
     if (!view.ok()) return view.status();
@@ -56,17 +61,21 @@ std::vector<uint64_t> PlacesOfOlderSegments(const Traverse& traverse, uint64_t s
     older.push_back(pose.sequence_number);
     last_of_segment[pose.segment] = pose.sequence_number;
   }
-  const auto limit = static_cast<size_t>(std::max(0, most));
+  const auto limit = static_cast<size_t>(std::max(1, most));
+  std::vector<uint64_t> places;
   std::set<uint64_t> chosen;
-  for (auto last = last_of_segment.rbegin(); last != last_of_segment.rend() && chosen.size() < limit; ++last) {
-    chosen.insert(last->second);
+  const auto choose = [&](uint64_t number) {
+    if (chosen.insert(number).second) places.push_back(number);
+  };
+  for (auto last = last_of_segment.rbegin(); last != last_of_segment.rend() && 2 * places.size() < limit; ++last) {
+    choose(last->second);
   }
-  const size_t num_others = std::max<size_t>(1, limit - chosen.size());
+  const size_t num_others = std::max<size_t>(1, limit - places.size());
   const size_t stride = std::max<size_t>(1, (older.size() + num_others - 1) / num_others);
-  for (size_t i = sequence_number % stride; i < older.size() && chosen.size() < limit; i += stride) {
-    chosen.insert(older[i]);
+  for (size_t offset = 0; offset < stride; ++offset) {
+    for (size_t i = (sequence_number + offset) % stride; i < older.size(); i += stride) choose(older[i]);
   }
-  return {chosen.begin(), chosen.end()};
+  return places;
 }
 
 }  // namespace curvereg

@@ -26,15 +26,20 @@ struct AlikePlace {
   int likeness = 0;
 };
 
-// The scans of `sequence_numbers` by likeness, most alike first; those that are not kept (`load` says NOT_FOUND) are
-// left out. Holds one of them at a time.
-absl::StatusOr<std::vector<AlikePlace>> RankPlaces(const ViewFeatures& place,
-                                                   std::span<const uint64_t> sequence_numbers,
+// Scans to compare, those worth most first; those that are not kept (`load` says NOT_FOUND) are passed over.
+struct PlacesToCompare {
+  std::span<const uint64_t> sequence_numbers;
+  int most = 0;  // compared; kMaxNotKept are passed over at most
+};
+
+// The places that were compared by likeness, most alike first. Holds one of them at a time.
+absl::StatusOr<std::vector<AlikePlace>> RankPlaces(const ViewFeatures& place, const PlacesToCompare& places,
                                                    const TraverseScanLoader& load, const Stop& stop = {});
 
-// At most `most` of the poses of segments older than this one's that are worth a look: the last of each older segment
-// first, where the path broke off, then others spread evenly over all older segments; another scan of the same segment
-// sees other ones.
+// The poses of segments older than this one's, in the order in which they are worth a look: the last of each older
+// segment, where the path broke off, newest segment first, up to half of `most`; then others spread evenly over all
+// older segments, so that the first `most` reach all of them, and the rest. Another scan of the same segment sees other
+// ones first.
 std::vector<uint64_t> PlacesOfOlderSegments(const Traverse& traverse, uint64_t sequence_number, int most);
 
 }  // namespace curvereg

@@ -31,7 +31,9 @@ class ScanTracker {
     const absl::StatusOr<bool> is_linked = TryLink(Predecessor(), scan_.prior);
     if (!is_linked.ok()) return is_linked.status();
     if (*is_linked) return std::move(tracked_);
+    const size_t most = tracked_.links.size() + static_cast<size_t>(std::max(0, options_.num_tracking_neighbours));
     for (const uint64_t target : TargetsBesidePredecessor()) {
+      if (tracked_.links.size() >= most || num_not_kept_ >= kMaxNotKept) break;
       const TrajectoryPose& pose = traverse_.poses[target];
       const absl::StatusOr<bool> is_neighbour_linked = TryLink(pose, MotionSince(pose));
       if (!is_neighbour_linked.ok()) return is_neighbour_linked.status();
@@ -58,8 +60,9 @@ class ScanTracker {
     return Chained(RelativePose(target, Predecessor()), *motion);
   }
 
-  // The kept scans nearest to where the scan probably is. A segment that has only just begun gives too few; then also
-  // the last scans before it, so that one unusable scan does not cut the traverse in two.
+  // The scans nearest to where the scan probably is. A segment that has only just begun gives too few; then also the
+  // last scans before it, so that one unusable scan does not cut the traverse in two. Which of them are kept, and so
+  // can be tried, turns out when they are loaded.
   std::vector<uint64_t> TargetsBesidePredecessor() const {
     const std::optional<Prior> motion = Motion();
     const RigidTransform T_segment_scan =
@@ -71,12 +74,9 @@ class ScanTracker {
       if (distance_m <= options_.max_neighbour_distance_m) by_distance.emplace_back(distance_m, pose.sequence_number);
     }
     std::sort(by_distance.begin(), by_distance.end());
-    const auto most = static_cast<size_t>(std::max(0, options_.num_tracking_neighbours));
     std::vector<uint64_t> targets;
-    for (const auto& [distance_m, number] : by_distance) {
-      if (targets.size() < most) targets.push_back(number);
-    }
-    for (uint64_t number = Predecessor().sequence_number; number-- > 0 && targets.size() < most;) {
+    for (const auto& [distance_m, number] : by_distance) targets.push_back(number);
+    for (uint64_t number = Predecessor().sequence_number; number-- > 0;) {
       if (traverse_.poses[number].segment != Predecessor().segment) targets.push_back(number);
     }
     return targets;
@@ -86,7 +86,10 @@ class ScanTracker {
   absl::StatusOr<bool> TryLink(const TrajectoryPose& target, const std::optional<Prior>& prior) {
     const LinkRequest request{tracked_.pose.sequence_number, target.sequence_number, LinkKind::kTracking, prior};
     absl::StatusOr<TraverseLink> link = RegisterLink(*scan_.scan, request, load_, options_.registration, stop_);
-    if (absl::IsNotFound(link.status())) return false;  // not kept
+    if (absl::IsNotFound(link.status())) {
+      ++num_not_kept_;
+      return false;
+    }
     if (!link.ok()) return link.status();
     const RegistrationResult& result = link->result;
     const bool is_accepted = result.verdict.accepted;
@@ -110,6 +113,7 @@ class ScanTracker {
   const TrackingOptions& options_;
   const Stop& stop_;
   TrackedScan tracked_;
+  int num_not_kept_ = 0;  // scans passed over
 };
 
 }  // namespace

@@ -35,13 +35,13 @@ struct TraverseScan {
 
 struct TrackingOptions {
   RegistrationOptions registration;  // its prior is replaced by what the traverse knows
-  int num_tracking_neighbours = 2;   // kept scans tried beside the predecessor before a link is given up
+  int num_tracking_neighbours = 2;   // kept scans tried beside the predecessor before a scan counts as unlinked
   int num_neighbours = 3;            // links looked for by FindLinks
   double max_neighbour_distance_m = 20.0;
   double loop_distance_m = 10.0;  // scans nearer than this, beyond what the poses' covariance allows
   int min_loop_gap = 10;          // sequence numbers between the ends of a loop closure
   int max_loop_candidates = 20;   // tried by one FindLoopClosures, and by one FindLinks in older segments
-  int max_places_compared = 40;   // scans looked at for a likely place where the position is unknown
+  int max_places_compared = 40;   // kept scans looked at for a likely place where the position is unknown
   PoseGraphOptions pose_graph;
 };
 

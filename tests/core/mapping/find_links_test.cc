@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -148,6 +149,32 @@ TEST_F(FindLinksTest, WhatIsNotThereOrNotKept) {
   };
   EXPECT_THAT(FindLinks(*tracked_, 8, broken, {}), HasCode(absl::StatusCode::kDataLoss));
   EXPECT_THAT(FindLoopClosures(Traverse{}, broken, {}), IsOk());
+}
+
+// The nearest neighbours and the likeliest places are lost: others take their turn.
+TEST_F(FindLinksTest, ScansThatAreNotKeptCountForNothing) {
+  const auto all = FindLinks(*tracked_, 8, drive_->Loader(), {});
+  ASSERT_THAT(all, IsOk());
+  std::set<uint64_t> lost;
+  std::map<uint64_t, int> times_asked;
+  const auto load = [&](uint64_t number, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    ++times_asked[number];
+    if (lost.contains(number)) return absl::NotFoundError("not kept");
+    return drive_->Get(number);
+  };
+  for (size_t i = 0; i < 2; ++i) lost.insert((*all)[i].target);
+  const auto links = FindLinks(*tracked_, 8, load, {});
+  ASSERT_THAT(links, IsOk());
+  EXPECT_EQ(links->size(), 3U);
+  TrackingOptions options;
+  options.min_loop_gap = 3;
+  options.max_loop_candidates = 5;
+  lost = {0, 3};
+  times_asked.clear();
+  const auto closures = FindLoopClosures(*tracked_, load, options);
+  ASSERT_THAT(closures, IsOk());
+  EXPECT_EQ(closures->size(), 5U);
+  for (const uint64_t number : lost) EXPECT_LE(times_asked[number], 1) << number;
 }
 
 TEST_F(FindLinksTest, EndsWhenAsked) {

@@ -23,11 +23,17 @@ TEST(RankPlacesTest, NearPlacesLookMoreAlikeThanFarOnes) {
   ASSERT_THAT(place, IsOk());
   EXPECT_EQ(place->image.values.size(), 0U);
   const std::vector<uint64_t> numbers = {0, 1, 2, 4, 5, 6, 7, 8, 99};
-  const auto ranked = RankPlaces(*place, numbers, drive.Loader());
+  const auto ranked = RankPlaces(*place, {numbers, 100}, drive.Loader());
   ASSERT_THAT(ranked, IsOk());
   ASSERT_EQ(ranked->size(), 8U);  // 99 is not kept
   EXPECT_THAT((*ranked)[0].sequence_number, ::testing::AnyOf(2U, 4U));
   for (size_t i = 1; i < ranked->size(); ++i) EXPECT_LE((*ranked)[i].likeness, (*ranked)[i - 1].likeness);
+  const std::vector<uint64_t> lost_first = {98, 99, 0, 4, 8};
+  const auto few = RankPlaces(*place, {lost_first, 2}, drive.Loader());
+  ASSERT_THAT(few, IsOk());
+  ASSERT_EQ(few->size(), 2U);  // those that are not kept do not count
+  EXPECT_EQ((*few)[0].sequence_number, 4U);
+  EXPECT_EQ((*few)[1].sequence_number, 0U);
   EXPECT_LT(PlaceLikeness(*place, **testing::StrangerScan()->View(BirdsEyeView::kElevation, 0)), (*ranked)[0].likeness);
 }
 
@@ -36,10 +42,11 @@ TEST(RankPlacesTest, ErrorsAreHandedOn) {
     return absl::DataLossError("broken");
   };
   const std::vector<uint64_t> one = {1};
-  EXPECT_THAT(RankPlaces(ViewFeatures{}, one, broken), HasCode(absl::StatusCode::kDataLoss));
-  EXPECT_THAT(RankPlaces(ViewFeatures{}, one, broken, {{}, std::chrono::steady_clock::now()}),
+  EXPECT_THAT(RankPlaces(ViewFeatures{}, {one, 1}, broken), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_THAT(RankPlaces(ViewFeatures{}, {one, 1}, broken, {{}, std::chrono::steady_clock::now()}),
               HasCode(absl::StatusCode::kDeadlineExceeded));
-  EXPECT_TRUE(RankPlaces(ViewFeatures{}, {}, broken)->empty());
+  EXPECT_TRUE(RankPlaces(ViewFeatures{}, {{}, 1}, broken)->empty());
+  EXPECT_TRUE(RankPlaces(ViewFeatures{}, {one, 0}, broken)->empty());
 }
 
 TEST(PlaceLikenessTest, NothingIsLikeNothing) { EXPECT_EQ(PlaceLikeness(ViewFeatures{}, ViewFeatures{}), 0); }
@@ -57,11 +64,23 @@ Traverse Segments(const std::vector<int>& segments) {
 
 TEST(PlacesOfOlderSegmentsTest, LastScansFirstAndOlderOnly) {
   const Traverse traverse = Segments({0, 0, 0, 1, 1, 2, 1});
-  EXPECT_THAT(PlacesOfOlderSegments(traverse, 5, 10), ::testing::UnorderedElementsAre(0U, 1U, 2U, 3U, 4U, 6U));
-  EXPECT_THAT(PlacesOfOlderSegments(traverse, 5, 2), ::testing::UnorderedElementsAre(2U, 6U));
+  const std::vector<uint64_t> places = PlacesOfOlderSegments(traverse, 5, 10);
+  EXPECT_THAT(places, ::testing::UnorderedElementsAre(0U, 1U, 2U, 3U, 4U, 6U));
+  EXPECT_EQ(places[0], 6U);
+  EXPECT_EQ(places[1], 2U);
+  EXPECT_EQ(PlacesOfOlderSegments(traverse, 5, 2)[0], 6U);
   EXPECT_THAT(PlacesOfOlderSegments(traverse, 3, 10), ::testing::UnorderedElementsAre(0U, 1U, 2U));
   EXPECT_TRUE(PlacesOfOlderSegments(traverse, 1, 10).empty());
-  EXPECT_TRUE(PlacesOfOlderSegments(traverse, 5, 0).empty());
+}
+
+// A hundred segments of one scan each must not hide the long one before them.
+TEST(PlacesOfOlderSegmentsTest, HalfIsLeftForOthersThanLastScans) {
+  std::vector<int> segments(100, 0);
+  for (int i = 1; i <= 100; ++i) segments.push_back(i);
+  const std::vector<uint64_t> places = PlacesOfOlderSegments(Segments(segments), 199, 20);
+  EXPECT_GE(std::count_if(places.begin(), places.begin() + 20, [](uint64_t number) { return number < 100; }), 5);
+  EXPECT_EQ(places.size(), 199U);
+  EXPECT_EQ(std::set<uint64_t>(places.begin(), places.end()).size(), 199U);
 }
 
 TEST(PlacesOfOlderSegmentsTest, AnotherScanSeesOthers) {
@@ -70,10 +89,10 @@ TEST(PlacesOfOlderSegmentsTest, AnotherScanSeesOthers) {
   const Traverse traverse = Segments(segments);
   std::set<uint64_t> seen;
   for (uint64_t number = 100; number < 130; ++number) {
-    const std::vector<uint64_t> places = PlacesOfOlderSegments(traverse, number, 5);
-    EXPECT_GE(places.size(), 4U);  // the last one may come up twice
-    EXPECT_LE(places.size(), 5U);
-    EXPECT_TRUE(std::find(places.begin(), places.end(), 99U) != places.end());
+    std::vector<uint64_t> places = PlacesOfOlderSegments(traverse, number, 5);
+    EXPECT_EQ(places.size(), 100U);
+    EXPECT_EQ(places[0], 99U);
+    places.resize(5);
     seen.insert(places.begin(), places.end());
   }
   EXPECT_EQ(seen.size(), 100U);

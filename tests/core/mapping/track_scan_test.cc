@@ -161,6 +161,37 @@ TEST_F(TrackScanTest, ScansThatAreNotKeptArePassedOver) {
   EXPECT_THAT(tracked->pose.T_segment_scan, IsNear(TruePose(3), kNearM, kNearRad));
 }
 
+TEST_F(TrackScanTest, ScansThatAreNotKeptDoNotUseUpTheNeighbours) {
+  const auto load = [](uint64_t number, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    if (number != 0) return absl::NotFoundError("not kept");
+    return drive_->Get(number);
+  };
+  TrackingOptions options;
+  options.num_tracking_neighbours = 1;
+  const auto tracked = TrackScan(Beginning(3), ScanOf(3), load, options);
+  ASSERT_THAT(tracked, IsOk());
+  ASSERT_EQ(tracked->links.size(), 1U);
+  EXPECT_EQ(tracked->links[0].target, 0U);
+  EXPECT_THAT(tracked->pose.T_segment_scan, IsNear(TruePose(3), kNearM, kNearRad));
+}
+
+TEST_F(TrackScanTest, NotEveryScanIsAskedForWhenNoneIsKept) {
+  Traverse traverse;
+  for (int i = 0; i < 500; ++i)
+    AppendScan(traverse, {PoseWithoutLink(traverse, std::nullopt, std::nullopt), {}, -1}, {});
+  int num_asked = 0;
+  const auto none = [&](uint64_t, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    ++num_asked;
+    return absl::NotFoundError("not kept");
+  };
+  const auto tracked = TrackScan(traverse, ScanOf(3), none, {});
+  ASSERT_THAT(tracked, IsOk());
+  EXPECT_EQ(tracked->pose.origin, PoseOrigin::kSegmentStart);
+  EXPECT_EQ(tracked->pose.segment, 500);
+  EXPECT_GE(num_asked, 10);
+  EXPECT_LE(num_asked, 100);
+}
+
 TEST_F(TrackScanTest, ErrorsAreHandedOn) {
   const auto broken = [](uint64_t, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
     return absl::DataLossError("broken");
