@@ -5,6 +5,7 @@
 #ifndef CURVEREG_TESTS_SERVER_SCANS_SCAN_SERVER_H_
 #define CURVEREG_TESTS_SERVER_SCANS_SCAN_SERVER_H_
 
+#include <grpcpp/client_context.h>
 #include <grpcpp/server.h>
 
 #include <chrono>
@@ -81,11 +82,17 @@ v1::UploadScanRequest StartMessage(const std::string& upload, const v1::PointClo
 v1::UploadScanRequest ChunkMessage(const v1::PointCloud& cloud, uint64_t offset, uint64_t size);
 v1::UploadScanRequest FinishMessage(const std::optional<v1::Digest>& digest = std::nullopt);
 
+// Far more than any call of a test takes on a slow machine whose disk is busy: what hangs then says so, by
+// DEADLINE_EXCEEDED, before the test as a whole is ended without a word.
+constexpr std::chrono::minutes kPatience{5};
+
+// For a call that waits while a connection is slow to come, and no longer than `timeout`.
+void SetPatience(grpc::ClientContext& context, std::chrono::milliseconds timeout = kPatience);
+
 // One upload stream, as a client has it.
 class UploadClient {
  public:
-  explicit UploadClient(v1::ScanService::Stub& stub) : stream_(stub.UploadScan(&context_)) {}
-  UploadClient(v1::ScanService::Stub& stub, std::chrono::milliseconds timeout);
+  explicit UploadClient(v1::ScanService::Stub& stub, std::chrono::milliseconds timeout = kPatience);
   ~UploadClient();  // cancels
 
   bool Send(const v1::UploadScanRequest& request) { return stream_->Write(request); }

@@ -56,8 +56,7 @@ v1::StreamScansRequest StreamChunk(const v1::PointCloud& cloud, uint64_t offset,
 // One stream, as a client has it. What is received is kept.
 class StreamClient {
  public:
-  explicit StreamClient(v1::TraverseService::Stub& stub) : stream_(stub.StreamScans(&context_)) {}
-  StreamClient(v1::TraverseService::Stub& stub, std::chrono::milliseconds timeout);
+  explicit StreamClient(v1::TraverseService::Stub& stub, std::chrono::milliseconds timeout = kPatience);
   ~StreamClient();  // cancels
 
   bool Send(const v1::StreamScansRequest& request) { return stream_->Write(request); }
