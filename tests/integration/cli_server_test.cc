@@ -2,68 +2,32 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The built command line against the built server: the same answers as alone, and errors that say what is wrong.
-#include <sys/wait.h>
-
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/testing/server_process.h"
-#include "tests/testing/test_data.h"
+#include "tests/testing/command_line_test.h"
 
 namespace curvereg {
 namespace {
 
 using nlohmann::json;
+using testing::Finished;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::ReadFile;
 
-struct Finished {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-std::string ReadFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-class CliServerTest : public ::testing::Test {
+class CliServerTest : public testing::CommandLineTest {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TemporaryFolder;
-    server_ = new testing::ServerProcess(CURVEREG_SERVER_EXECUTABLE, folder_->path(), {});
-    ASSERT_NE(server_->port(), 0);
+    Start({});
     ASSERT_EQ(Alone("simulate --preset sparse --scans 3 --seed 5 --out yard").status, 0);
   }
-  static void TearDownTestSuite() {
-    delete server_;
-    delete folder_;
-  }
-  // Runs `curvereg ARGUMENTS` in the folder, with `environment` before it.
-  static Finished Alone(const std::string& arguments, const std::string& environment = "") {
-    const std::string& folder = folder_->path();
-    const std::string command =
-        "cd '" + folder + "' && " + environment + " '" CURVEREG_EXECUTABLE "' " + arguments + " >.out 2>.err";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder + "/.out"), ReadFile(folder + "/.err")};
-  }
-  static Finished Asking(const std::string& arguments) { return Alone(arguments + " --server " + server_->target()); }
-
-  static testing::TemporaryFolder* folder_;
-  static testing::ServerProcess* server_;
 };
-testing::TemporaryFolder* CliServerTest::folder_ = nullptr;
-testing::ServerProcess* CliServerTest::server_ = nullptr;
 
 TEST_F(CliServerTest, RegisterGivesTheSameAnswerAsAlone) {
   const Finished alone = Alone("register yard/0001.pcd yard/0000.pcd --json");

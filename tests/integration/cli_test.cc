@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -16,34 +15,22 @@
 #include <nlohmann/json.hpp>
 
 #include "client/files/trajectory_file.h"
+#include "tests/testing/run_command.h"
 #include "tests/testing/test_data.h"
 
 namespace curvereg {
 namespace {
 
 using nlohmann::json;
+using testing::Finished;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-std::string ReadFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-struct Finished {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
+using testing::ReadFile;
 
 // Runs `curvereg ARGUMENTS`, after `prefix` (e.g. "timeout 1"), in `folder`.
 Finished RunIn(const std::string& folder, const std::string& arguments, const std::string& prefix = "") {
-  const std::string command = "cd '" + folder + "' && " + prefix + " '" CURVEREG_EXECUTABLE "' " + arguments + " >'" +
-                              folder + "/.out' 2>'" + folder + "/.err'";
-  const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder + "/.out"), ReadFile(folder + "/.err")};
+  return testing::RunIn(folder, prefix + " '" CURVEREG_EXECUTABLE "' " + arguments);
 }
 
 // Three scans of a yard, two neighbours' pairs; made once for all tests.

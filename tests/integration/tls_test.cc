@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The built server with TLS and tokens against the client library and the built command line.
-#include <sys/wait.h>
-
-#include <cstdlib>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,6 +13,7 @@
 #include "client/client.h"
 #include "tests/testing/certificates.h"
 #include "tests/testing/matchers.h"
+#include "tests/testing/run_command.h"
 #include "tests/testing/server_process.h"
 #include "tests/testing/simulated.h"
 #include "tests/testing/test_data.h"
@@ -24,23 +21,13 @@
 namespace curvereg {
 namespace {
 
+using testing::Finished;
 using ::testing::HasSubstr;
 using testing::IsNear;
 using testing::IsOk;
 using ::testing::Not;
+using testing::ReadFile;
 using testing::ServerProcess;
-
-std::string ReadFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-struct Finished {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
 
 class TlsTest : public ::testing::Test {
  protected:
@@ -97,11 +84,7 @@ class TlsTest : public ::testing::Test {
   }
 
   // A command in the folder.
-  Finished Run(const std::string& command) const {
-    const std::string out = folder_.File("out.txt"), err = folder_.File("err.txt");
-    const int status = std::system(("cd '" + folder_.path() + "' && " + command + " >" + out + " 2>" + err).c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(out), ReadFile(err)};
-  }
+  Finished Run(const std::string& command) const { return testing::RunIn(folder_.path(), command); }
   Finished Ask(const std::string& arguments, const std::string& environment = "") const {
     return Run(environment + " '" CURVEREG_EXECUTABLE "' " + arguments + " --timeout 5 --server " + server_->target());
   }

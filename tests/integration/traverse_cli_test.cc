@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The built command line's commands about traverses against the built server.
-#include <sys/wait.h>
-
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -19,28 +15,17 @@
 
 #include "client/files/cloud_file.h"
 #include "client/files/trajectory_file.h"
-#include "tests/testing/server_process.h"
-#include "tests/testing/test_data.h"
+#include "tests/testing/command_line_test.h"
 
 namespace curvereg {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using testing::Finished;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-struct Finished {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-std::string ReadFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
+using testing::ReadFile;
 
 std::vector<json> Lines(const std::string& text) {
   std::vector<json> lines;
@@ -49,13 +34,11 @@ std::vector<json> Lines(const std::string& text) {
   return lines;
 }
 
-class TraverseCliTest : public ::testing::Test {
+class TraverseCliTest : public testing::CommandLineTest {
  protected:
   static constexpr int kNumScans = 5;
   static void SetUpTestSuite() {
-    folder_ = new testing::TemporaryFolder;
-    server_ = new testing::ServerProcess(CURVEREG_SERVER_EXECUTABLE, folder_->path(), {"--log-level", "error"});
-    ASSERT_NE(server_->port(), 0);
+    Start({"--log-level", "error"});
     ASSERT_EQ(Alone("simulate --preset sparse --scans 5 --seed 5 --out yard").status, 0);
     const Finished streamed = Asking("stream yard --traverse drive --json");
     ASSERT_EQ(streamed.status, 0) << streamed.err << streamed.out;
@@ -63,20 +46,9 @@ class TraverseCliTest : public ::testing::Test {
   }
   static void TearDownTestSuite() {
     delete streamed_;
-    delete server_;
-    delete folder_;
+    CommandLineTest::TearDownTestSuite();
   }
-  static Finished Alone(const std::string& arguments) {
-    const std::string& folder = folder_->path();
-    const std::string command = "cd '" + folder + "' && '" CURVEREG_EXECUTABLE "' " + arguments + " >.out 2>.err";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder + "/.out"), ReadFile(folder + "/.err")};
-  }
-  static Finished Asking(const std::string& arguments) { return Alone(arguments + " --server " + server_->target()); }
-  static std::string File(const std::string& name) { return folder_->File(name); }
 
-  static inline testing::TemporaryFolder* folder_ = nullptr;
-  static inline testing::ServerProcess* server_ = nullptr;
   static inline std::string* streamed_ = nullptr;  // what `stream` printed
 };
 
