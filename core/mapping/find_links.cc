@@ -34,12 +34,18 @@ class LinkFinder {
     };
   }
 
-  // Places of older segments that look like this scan's, until one is recognised. Uses up `num_tries`.
-  absl::Status SearchOlderSegments(uint64_t sequence_number, LinkKind kind, int& num_tries) {
-    const std::vector<uint64_t> places =
-        PlacesOfOlderSegments(traverse_, sequence_number, options_.max_places_compared);
-    if (places.empty() || num_tries <= 0) return absl::OkStatus();
-    const absl::StatusOr<std::vector<AlikePlace>> ranked = Ranked(sequence_number, places);
+  struct PlaceSearch {
+    uint64_t sequence_number = 0;
+    LinkKind kind = LinkKind::kNeighbour;
+    int max_places = 0;  // compared
+  };
+  // Tries places of older segments that look like the scan's, until one is recognised. Uses up `num_tries`.
+  absl::Status SearchOlderSegments(const PlaceSearch& search, int& num_tries) {
+    const uint64_t sequence_number = search.sequence_number;
+    if (num_tries <= 0) return absl::OkStatus();
+    const std::vector<uint64_t> places = PlacesOfOlderSegments(traverse_, sequence_number, search.max_places);
+    if (places.empty()) return absl::OkStatus();
+    const absl::StatusOr<std::vector<AlikePlace>> ranked = Ranked(sequence_number, {places, search.max_places});
     if (absl::IsNotFound(ranked.status())) return absl::OkStatus();
     if (!ranked.ok()) return ranked.status();
     const std::set<uint64_t> partners = LinkedPartners(traverse_, sequence_number);
@@ -48,7 +54,7 @@ class LinkFinder {
       if (partners.contains(place.sequence_number)) continue;
       const uint64_t source = std::max(sequence_number, place.sequence_number);
       const uint64_t target = std::min(sequence_number, place.sequence_number);
-      const absl::StatusOr<Outcome> outcome = Register({source, target, kind, std::nullopt});
+      const absl::StatusOr<Outcome> outcome = Register({source, target, search.kind, std::nullopt});
       if (!outcome.ok()) return outcome.status();
       if (*outcome != Outcome::kNotKept) --num_tries;
       if (*outcome == Outcome::kAccepted) break;
@@ -70,12 +76,12 @@ class LinkFinder {
     return [this](uint64_t sequence_number, const Stop& /*stop*/) { return Load(sequence_number); };
   }
 
-  absl::StatusOr<std::vector<AlikePlace>> Ranked(uint64_t sequence_number, const std::vector<uint64_t>& places) {
+  absl::StatusOr<std::vector<AlikePlace>> Ranked(uint64_t sequence_number, const PlacesToCompare& places) {
     const absl::StatusOr<std::shared_ptr<const PreparedScan>> scan = Load(sequence_number);
     if (!scan.ok()) return scan.status();
     const absl::StatusOr<ViewFeatures> features = PlaceFeatures(**scan, stop_);
     if (!features.ok()) return features.status();
-    return RankPlaces(*features, {places, options_.max_places_compared}, Loader(), stop_);
+    return RankPlaces(*features, places, Loader(), stop_);
   }
 
   absl::StatusOr<Outcome> Register(const LinkRequest& request) {
@@ -104,18 +110,33 @@ class LinkFinder {
   uint64_t source_number_ = 0;
 };
 
-// The first, the last and some scans between of each segment that has older ones: where it may touch them.
-std::vector<uint64_t> ScansToRecognise(const Traverse& traverse) {
-  constexpr size_t kPerSegment = 4;
+// Whether FindLinks looks for the scan's place in older segments.
+bool IsToBeRecognised(const Traverse& traverse, uint64_t sequence_number, const TrackingOptions& options) {
+  const int segment = traverse.poses[sequence_number].segment;
+  const auto rank =
+      std::count_if(traverse.poses.begin(), traverse.poses.begin() + static_cast<int64_t>(sequence_number),
+                    [&](const TrajectoryPose& pose) { return pose.segment == segment; });
+  const int64_t after_first = rank - options.num_scans_to_recognise;
+  return after_first < 0 || after_first % std::max(1, options.recognition_interval) == 0;
+}
+
+// The first, the last and two scans between of each segment that has older ones: where it may touch them. First those
+// of the segments with most scans, and as many in all as max_places_in_all has places for.
+std::vector<uint64_t> ScansToRecognise(const Traverse& traverse, const TrackingOptions& options) {
+  constexpr int kFewestPlaces = 8;  // that a search compares
   std::map<int, std::vector<uint64_t>> by_segment;
   for (const TrajectoryPose& pose : traverse.poses) by_segment[pose.segment].push_back(pose.sequence_number);
+  std::vector<std::vector<uint64_t>> segments;
+  for (auto& [segment, numbers] : by_segment) segments.push_back(std::move(numbers));
+  if (!segments.empty()) segments.erase(segments.begin());
+  std::stable_sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  const auto most = static_cast<size_t>(std::max(0, options.max_places_in_all / kFewestPlaces));
   std::vector<uint64_t> scans;
-  for (auto segment = by_segment.begin(); segment != by_segment.end(); ++segment) {
-    if (segment == by_segment.begin()) continue;
-    const std::vector<uint64_t>& numbers = segment->second;
-    const size_t count = std::min(kPerSegment, numbers.size());
-    for (size_t i = 0; i < count; ++i) {
-      scans.push_back(numbers[count == 1 ? 0 : i * (numbers.size() - 1) / (count - 1)]);
+  std::set<uint64_t> chosen;
+  for (const size_t third : {0, 3, 1, 2}) {
+    for (const std::vector<uint64_t>& numbers : segments) {
+      const uint64_t number = numbers[third * (numbers.size() - 1) / 3];
+      if (scans.size() < most && chosen.insert(number).second) scans.push_back(number);
     }
   }
   return scans;
@@ -131,8 +152,11 @@ absl::StatusOr<std::vector<TraverseLink>> FindLinks(const Traverse& traverse, ui
   absl::Status status = TryNeighbours(traverse, sequence_number, options, finder.TryWithPrior(LinkKind::kNeighbour));
   if (!status.ok()) return status;
   int num_tries = options.max_loop_candidates;
-  status = finder.SearchOlderSegments(sequence_number, LinkKind::kNeighbour, num_tries);
-  if (!status.ok()) return status;
+  if (IsToBeRecognised(traverse, sequence_number, options)) {
+    status =
+        finder.SearchOlderSegments({sequence_number, LinkKind::kNeighbour, options.max_places_compared}, num_tries);
+    if (!status.ok()) return status;
+  }
   return finder.Take();
 }
 
@@ -142,8 +166,11 @@ absl::StatusOr<std::vector<TraverseLink>> FindLoopClosures(const Traverse& trave
   absl::Status status = TryLoops(traverse, options, finder.TryWithPrior(LinkKind::kLoopClosure));
   if (!status.ok()) return status;
   int num_tries = options.max_loop_candidates;
-  for (const uint64_t sequence_number : ScansToRecognise(traverse)) {
-    status = finder.SearchOlderSegments(sequence_number, LinkKind::kLoopClosure, num_tries);
+  const std::vector<uint64_t> scans = ScansToRecognise(traverse, options);
+  const int places_each = options.max_places_in_all / std::max(1, static_cast<int>(scans.size()));
+  for (const uint64_t sequence_number : scans) {
+    const int max_places = std::min(places_each, options.max_places_compared);
+    status = finder.SearchOlderSegments({sequence_number, LinkKind::kLoopClosure, max_places}, num_tries);
     if (!status.ok()) return status;
   }
   return finder.Take();

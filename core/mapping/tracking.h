@@ -40,8 +40,12 @@ struct TrackingOptions {
   double max_neighbour_distance_m = 20.0;
   double loop_distance_m = 10.0;  // scans nearer than this, beyond what the poses' covariance allows
   int min_loop_gap = 10;          // sequence numbers between the ends of a loop closure
-  int max_loop_candidates = 20;   // tried by one FindLoopClosures, and by one FindLinks in older segments
+  int max_loop_candidates = 20;   // links tried by one FindLoopClosures by position, by one of either by look
   int max_places_compared = 40;   // kept scans looked at for a likely place where the position is unknown
+  int max_places_in_all = 800;    // by one FindLoopClosures, shared out among segments
+  // FindLinks looks for places of older segments with so many first scans of a segment and every so many-th after them.
+  int num_scans_to_recognise = 3;
+  int recognition_interval = 10;
   PoseGraphOptions pose_graph;
 };
 
@@ -67,14 +71,18 @@ TrajectoryPose PoseWithoutLink(const Traverse& traverse, const std::optional<int
                                const std::optional<Prior>& prior);
 void AppendScan(Traverse& traverse, const TrackedScan& tracked, const std::optional<Prior>& prior);
 
-// Further links of a tracked scan: with the nearest kept scans (by position and overlap), and, for a scan of another
-// segment than its predecessor's, with places of the older segments that look alike (elevation descriptors). Only pairs
-// that have no link yet.
+// Further links of a tracked scan: with the nearest kept scans of its segment, and, as long as there are older
+// segments, for its segment's first scans and some of the later ones, with places of the older segments that look alike
+// (features of elevation views), until one is accepted. Only pairs that have no link yet. Scans that are not kept count
+// for nothing. INVALID_ARGUMENT: no such scan; other errors as TrackScan.
 absl::StatusOr<std::vector<TraverseLink>> FindLinks(const Traverse& traverse, uint64_t sequence_number,
                                                     const TraverseScanLoader& load, const TrackingOptions& options,
                                                     const Stop& stop = {});
 
-// Links between scans far apart in sequence but near in place, and between segments, over the whole traverse.
+// Links over the whole traverse: between scans of a segment far apart in sequence but near in place, and, by look, from
+// each segment to older ones: with its first and last scan and two between, those of long segments first. Where there
+// are so many segments that max_places_in_all does not suffice, each search compares fewer places, then short segments
+// go without. Errors as TrackScan.
 absl::StatusOr<std::vector<TraverseLink>> FindLoopClosures(const Traverse& traverse, const TraverseScanLoader& load,
                                                            const TrackingOptions& options, const Stop& stop = {});
 
@@ -84,13 +92,18 @@ struct SegmentJoin {
   RigidTransform T_segment_joined = RigidTransform::Identity();
 };
 
-// The trajectory that agrees best with all accepted links and priors (OptimizePoseGraph).
+// The trajectory that agrees best with all accepted links and priors (OptimizePoseGraph). A pose is kRegistered when
+// links that were not given up connect it with an earlier one, by whichever way, kPrior when odometry alone does.
+// Segments are joined, never split: a part that one link holds is where that link says, for nothing contradicts it. Of
+// links that contradict each other one is believed, as a rule; if all of them are given up, the part stays near where
+// they would have it, and its covariance, a thousand times their deviations, says that it is not known.
 struct TraverseRevision {
   std::vector<SegmentJoin> joins;         // segments that accepted links connect
   std::vector<TrajectoryPose> poses;      // those that changed, by sequence number
   int num_links = 0;                      // used
   int num_rejected_links = 0;             // accepted by registration, given up here
   double max_translation_change_m = 0.0;  // of poses that stayed in their segment
+  bool converged = true;                  // false: the poses still moved when max_iterations was reached
 };
 absl::StatusOr<TraverseRevision> ReviseTraverse(const Traverse& traverse, const TrackingOptions& options,
                                                 const Stop& stop = {});

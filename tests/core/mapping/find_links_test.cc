@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "core/mapping/tracking.h"
 #include "tests/testing/matchers.h"
@@ -175,6 +177,78 @@ TEST_F(FindLinksTest, ScansThatAreNotKeptCountForNothing) {
   ASSERT_THAT(closures, IsOk());
   EXPECT_EQ(closures->size(), 5U);
   for (const uint64_t number : lost) EXPECT_LE(times_asked[number], 1) << number;
+}
+
+Traverse Segments(int num_segments, int num_scans_each) {
+  Traverse traverse;
+  for (int i = 0; i < num_segments * num_scans_each; ++i) {
+    TrajectoryPose pose;
+    pose.sequence_number = static_cast<uint64_t>(i);
+    pose.segment = i / num_scans_each;
+    AppendScan(traverse, {pose, {}, -1}, std::nullopt);
+  }
+  return traverse;
+}
+
+// Featureless ground: nothing looks like it, so no link is tried and each place is compared in vain.
+std::shared_ptr<const PreparedScan> FlatScan() {
+  auto scan = std::make_shared<Scan>();
+  for (int x = -30; x <= 30; ++x) {
+    for (int y = -30; y <= 30; ++y) {
+      scan->points.emplace_back(0.3F * static_cast<float>(x), 0.3F * static_cast<float>(y), -1.0F);
+    }
+  }
+  return *PreparedScan::Create(std::move(scan));
+}
+
+TEST(RecognitionTest, FirstScansOfASegmentAndSomeLaterOnesOnly) {
+  const std::shared_ptr<const PreparedScan> flat = FlatScan();
+  int num_loaded = 0;
+  const auto load = [&](uint64_t, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    ++num_loaded;
+    return flat;
+  };
+  TrackingOptions options;
+  options.num_neighbours = 0;
+  options.num_scans_to_recognise = 2;
+  options.recognition_interval = 7;
+  const Traverse traverse = Segments(2, 20);
+  std::vector<uint64_t> searching;
+  for (uint64_t number = 0; number < traverse.poses.size(); ++number) {
+    num_loaded = 0;
+    ASSERT_THAT(FindLinks(traverse, number, load, options), IsOk());
+    EXPECT_LE(num_loaded, 1 + options.max_places_compared);
+    if (num_loaded > 1) searching.push_back(number);
+  }
+  EXPECT_THAT(searching, ::testing::ElementsAre(20U, 21U, 22U, 29U, 36U));
+}
+
+TEST(RecognitionTest, ManySegmentsShareABudgetOfPlaces) {
+  const std::shared_ptr<const PreparedScan> flat = FlatScan();
+  std::map<uint64_t, int> times_loaded;
+  int num_loaded = 0;
+  const auto load = [&](uint64_t number, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
+    ++times_loaded[number];
+    ++num_loaded;
+    return flat;
+  };
+  TrackingOptions options;
+  options.loop_distance_m = -1.0;  // none by position
+  options.max_places_in_all = 96;  // 12 searches of 8
+  const auto links = FindLoopClosures(Segments(50, 6), load, options);
+  ASSERT_THAT(links, IsOk());
+  EXPECT_TRUE(links->empty());
+  EXPECT_LE(num_loaded, 12 + 96);
+  EXPECT_GE(num_loaded, 80);
+  // A few segments have all they want.
+  num_loaded = 0;
+  options.max_places_in_all = TrackingOptions().max_places_in_all;
+  ASSERT_THAT(FindLoopClosures(Segments(3, 30), load, options), IsOk());
+  EXPECT_EQ(num_loaded, 8 + 4 * 30 + 4 * options.max_places_compared);
+  options.max_places_in_all = 0;
+  num_loaded = 0;
+  ASSERT_THAT(FindLoopClosures(Segments(3, 30), load, options), IsOk());
+  EXPECT_EQ(num_loaded, 0);
 }
 
 TEST_F(FindLinksTest, EndsWhenAsked) {
