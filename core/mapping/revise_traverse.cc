@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "core/mapping/pose_graph_start.h"
 #include "core/mapping/pose_uncertainty.h"
@@ -81,6 +82,7 @@ class TraverseReviser {
   absl::StatusOr<TraverseRevision> Run() {
     if (traverse_.poses.empty()) return TraverseRevision{};
     if (absl::Status status = Optimise(); !status.ok()) return status;
+    revision_.converged = !is_optimised_ || optimised_.converged;
     CountLinks();
     FillPoses();
     FillJoins();
@@ -125,27 +127,36 @@ class TraverseReviser {
     }
   }
 
-  // For each pose, whether an accepted registration that was not given up ties it to an earlier one.
-  std::vector<bool> RegisteredPoses() const {
-    std::vector<bool> is_registered(traverse_.poses.size(), false);
-    for (size_t edge = 0; edge < made_.link_of_edge.size(); ++edge) {
-      if (optimised_.edge_weights[edge] < kGivenUp) continue;
-      is_registered[traverse_.links[made_.link_of_edge[edge]].source] = true;
+  // How each pose came about that is not the first of its segment.
+  std::vector<PoseOrigin> Origins() const {
+    ConnectedNodes linked(traverse_.poses.size());
+    std::vector<bool> has_prior(traverse_.poses.size(), false);
+    for (size_t i = 0; i < made_.graph.edges.size(); ++i) {
+      const PoseGraphEdge& edge = made_.graph.edges[i];
+      if (i >= made_.link_of_edge.size()) {
+        has_prior[static_cast<size_t>(edge.source)] = true;
+      } else if (optimised_.edge_weights[i] >= kGivenUp) {
+        linked.Join(edge.source, edge.target);
+      }
     }
-    return is_registered;
+    std::vector<PoseOrigin> origins;
+    for (size_t i = 0; i < traverse_.poses.size(); ++i) {
+      const auto node = static_cast<int>(i);
+      const bool by_prior = linked.First(node) == node && has_prior[i];
+      origins.push_back(by_prior ? PoseOrigin::kPrior : PoseOrigin::kRegistered);
+    }
+    return origins;
   }
 
   void FillPoses() {
-    const std::vector<bool> is_registered = RegisteredPoses();
+    const std::vector<PoseOrigin> origins = Origins();
     std::set<int> begun;  // segments whose first pose was seen
     for (size_t i = 0; i < traverse_.poses.size(); ++i) {
       const TrajectoryPose& before = traverse_.poses[i];
       TrajectoryPose after = before;
       after.segment = places_.at(before.segment).root;
       const bool is_first = begun.insert(after.segment).second;
-      if (!is_first && (is_registered[i] || before.origin == PoseOrigin::kSegmentStart)) {
-        after.origin = PoseOrigin::kRegistered;
-      }
+      if (!is_first) after.origin = origins[i];
       if (is_optimised_) {
         after.T_segment_scan = optimised_.T_graph_node[i];
         if (!optimised_.covariances.empty()) after.covariance = optimised_.covariances[i];

@@ -19,8 +19,8 @@ namespace curvereg {
 // How a pose came about.
 enum class PoseOrigin {
   kSegmentStart,  // first of its segment, whose frame is this scan's sensor frame
-  kRegistered,    // by an accepted registration
-  kPrior,         // no registration was accepted; carried by the prior
+  kRegistered,    // by accepted registrations; in a revised trajectory, by such as were not given up
+  kPrior,         // no registration was accepted, or none believed; carried by the prior
 };
 
 struct TrajectoryPose {

@@ -266,6 +266,68 @@ TEST(ReviseTraverseTest, OdometryHoldsWhereNoLinkDoes) {
   EXPECT_LT((*traverse.poses[15].covariance)(5, 5), 1e-3);
 }
 
+// A registration of little certainty that odometry contradicts.
+TEST(ReviseTraverseTest, OdometryHoldsWhereTheOnlyLinkIsGivenUp) {
+  DriveMaker maker(20);
+  Traverse traverse = maker.Drive(0);
+  traverse.priors[11] = Prior{maker.TrueMotion(10, 11), 1e-4 * Matrix6d::Identity()};
+  RegistrationResult& wrong = traverse.links[10].result;
+  wrong.T_target_source.translation().x() += 20.0;
+  wrong.covariance.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity();
+  for (size_t i = 11; i < 20; ++i) {
+    traverse.poses[i].T_segment_scan =
+        traverse.poses[i - 1].T_segment_scan * traverse.links[i - 1].result.T_target_source;
+  }
+  const auto revision = ReviseTraverse(traverse, {});
+  ASSERT_THAT(revision, IsOk());
+  EXPECT_EQ(revision->num_rejected_links, 1);
+  EXPECT_TRUE(revision->converged);
+  ApplyRevision(traverse, *revision);
+  EXPECT_LT(WorstError(traverse, maker), 0.1);
+  for (const TrajectoryPose& pose : traverse.poses) {
+    const uint64_t number = pose.sequence_number;
+    EXPECT_EQ(pose.origin, number == 0    ? PoseOrigin::kSegmentStart
+                           : number == 11 ? PoseOrigin::kPrior
+                                          : PoseOrigin::kRegistered);
+  }
+  // A link of a later scan ties it to the others again, round about.
+  traverse.links.push_back(maker.Link(12, 9, LinkKind::kNeighbour));
+  ApplyRevision(traverse, *ReviseTraverse(traverse, {}));
+  EXPECT_EQ(traverse.poses[11].origin, PoseOrigin::kRegistered);
+}
+
+// Links that contradict each other are all that holds the second half: one of them is believed.
+TEST(ReviseTraverseTest, ASegmentIsNotSplit) {
+  DriveMaker maker(20);
+  Traverse traverse = maker.Drive(0);
+  for (const uint64_t source : {11, 12, 13}) {
+    if (source > 11) traverse.links.push_back(maker.Link(source, 9, LinkKind::kNeighbour));
+    TraverseLink& link = source == 11 ? traverse.links[10] : traverse.links.back();
+    link.result.T_target_source = maker.AnyTransform();
+  }
+  const auto revision = ReviseTraverse(traverse, {});
+  ASSERT_THAT(revision, IsOk());
+  EXPECT_EQ(revision->num_rejected_links, 2);
+  EXPECT_EQ(revision->num_links, 19);
+  ApplyRevision(traverse, *revision);
+  for (const TrajectoryPose& pose : traverse.poses) {
+    EXPECT_EQ(pose.segment, 0);
+    EXPECT_EQ(pose.origin, pose.sequence_number == 0 ? PoseOrigin::kSegmentStart : PoseOrigin::kRegistered);
+  }
+  // Each half still holds together.
+  EXPECT_THAT(traverse.poses[12].T_segment_scan.inverse() * traverse.poses[19].T_segment_scan,
+              IsNear(maker.TrueMotion(12, 19), 0.05, 0.005));
+}
+
+TEST(ReviseTraverseTest, TellsThatPosesStillMoved) {
+  DriveMaker maker(30);
+  const Traverse traverse = maker.Drive(2);
+  EXPECT_TRUE(ReviseTraverse(traverse, {})->converged);
+  TrackingOptions options;
+  options.pose_graph.max_iterations = 1;
+  EXPECT_FALSE(ReviseTraverse(traverse, options)->converged);
+}
+
 TEST(ReviseTraverseTest, EndsWhenAsked) {
   DriveMaker maker(10);
   std::stop_source source;
