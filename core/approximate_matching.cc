@@ -8,6 +8,7 @@
 #include <flann/flann.hpp>
 
 #include "core/parallel.h"
+#include "core/stop_status.h"
 
 namespace curvereg {
 namespace {
@@ -57,8 +58,7 @@ absl::StatusOr<std::vector<Match>> MatchApproximateMutualNearest(const Features&
     if (direction == 0) nearest[0] = FindNearest(source, target, options, stop);
     if (direction == 1) nearest[1] = FindNearest(target, source, options, stop);
   });
-  if (stop.Cancelled()) return absl::CancelledError("matching was cancelled");
-  if (stop.PastDeadline()) return absl::DeadlineExceededError("matching ran out of time");
+  if (absl::Status status = StopStatus(stop, "matching"); !status.ok()) return status;
   for (size_t s = 0; s < source.size(); ++s) {
     const int t = nearest[0].index[s];
     if (nearest[1].index[static_cast<size_t>(t)] != static_cast<int>(s)) continue;

@@ -8,6 +8,7 @@
 
 #include "core/image_conditioning.h"
 #include "core/scale_bands.h"
+#include "core/stop_status.h"
 
 namespace curvereg {
 namespace {
@@ -73,12 +74,6 @@ std::vector<Keypoint> DetectOnReturns(const std::vector<Image<float>>& bands, co
   return keypoints;
 }
 
-absl::Status AskStop(const Stop& stop) {
-  if (stop.Cancelled()) return absl::CancelledError("registration was cancelled");
-  if (stop.PastDeadline()) return absl::DeadlineExceededError("registration ran out of time");
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 absl::Status Validate(const PaperFeatureOptions& options) {
@@ -93,16 +88,16 @@ absl::Status Validate(const PaperFeatureOptions& options) {
 
 absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const PaperFeatureOptions& options,
                                                    const Stop& stop) {
-  if (absl::Status status = AskStop(stop); !status.ok()) return status;
+  if (absl::Status status = StopStatus(stop, "registration"); !status.ok()) return status;
   absl::StatusOr<RangeImage> image = ComputeRangeImage(scan.points, options.image);
   if (!image.ok()) return image.status();
   if (image->range.empty()) return PaperFeatures{};
-  if (absl::Status status = AskStop(stop); !status.ok()) return status;
+  if (absl::Status status = StopStatus(stop, "registration"); !status.ok()) return status;
   absl::StatusOr<std::vector<Image<float>>> bands =
       ComputeScaleBands(Conditioned(*image, options.blur_sigma_px),
                         {.num_scales = options.num_scales, .windows = WindowShape::kCartesian});
   if (!bands.ok()) return bands.status();
-  if (absl::Status status = AskStop(stop); !status.ok()) return status;
+  if (absl::Status status = StopStatus(stop, "registration"); !status.ok()) return status;
   for (Image<float>& band : *bands) band = WrappedAround(band, kWrapPx);
   const std::vector<Keypoint> keypoints = DetectOnReturns(*bands, *image, options);
   PaperFeatures result;

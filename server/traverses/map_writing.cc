@@ -12,6 +12,7 @@
 
 #include "core/mapping/elevation_map.h"
 #include "core/mapping/point_map.h"
+#include "core/stop_status.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
 
@@ -35,8 +36,7 @@ class StoredScans {
   // Looks all of them up.
   absl::Status Find(const Stop& stop) {
     for (const std::string& id : ids_) {
-      if (stop.Cancelled()) return absl::CancelledError("the map was cancelled");
-      if (stop.PastDeadline()) return absl::DeadlineExceededError("the map ran out of time");
+      if (absl::Status status = StopStatus(stop, "the map"); !status.ok()) return status;
       absl::StatusOr<StoredScan> scan = environment_.store->GetScan(id);
       if (!scan.ok()) return scan.status();
       // It may have come when the limits were wider.
