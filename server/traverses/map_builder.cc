@@ -15,8 +15,10 @@
 #include <utility>
 #include <vector>
 
+#include "absl/cleanup/cleanup.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "core/stop_status.h"
 #include "server/store/store_file.h"
 #include "server/traverses/map_file.h"
 #include "server/traverses/map_writing.h"
@@ -95,16 +97,13 @@ class MapBuilderImpl : public MapBuilder {
     const absl::StatusOr<MapRequest> request = Checked(asked);
     if (!request.ok()) return request.status();
     const std::string name = FileName(*request, source);
-    absl::Status status = TakeTurn(name, stop);
-    if (!status.ok()) return status;
+    if (absl::Status status = TakeTurn(name, stop); !status.ok()) return status;
+    // Also when a library throws, for want of memory, so that others can build it.
+    const absl::Cleanup end_of_turn = [&] { GiveUpTurn(name); };
+    if (std::shared_ptr<const MapFile> map = OpenAndTouch(name); map != nullptr) return map;
+    if (absl::Status status = BuildFile(*request, source, name, stop); !status.ok()) return status;
     std::shared_ptr<const MapFile> map = OpenAndTouch(name);
-    if (map == nullptr) {
-      status = BuildFile(*request, source, name, stop);
-      if (status.ok()) map = OpenAndTouch(name);
-      if (status.ok() && map == nullptr) status = wire::MakeError(v1::ERROR_REASON_STORAGE_FAULT, "the map is gone");
-    }
-    GiveUpTurn(name);
-    if (!status.ok()) return status;
+    if (map == nullptr) return wire::MakeError(v1::ERROR_REASON_STORAGE_FAULT, "the map is gone");
     return map;
   }
 
@@ -131,10 +130,7 @@ class MapBuilderImpl : public MapBuilder {
     const bool is_ours = stop.deadline.has_value()
                              ? turn_ended_.wait_until(lock, stop.cancellation, *stop.deadline, is_free)
                              : turn_ended_.wait(lock, stop.cancellation, is_free);
-    if (!is_ours) {
-      if (stop.Cancelled()) return absl::CancelledError("the map was cancelled");
-      return absl::DeadlineExceededError("the map ran out of time");
-    }
+    if (!is_ours) return StopStatus(stop, "the map");
     building_.insert(name);
     return absl::OkStatus();
   }

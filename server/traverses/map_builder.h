@@ -68,7 +68,7 @@ class MapBuilder {
   virtual std::shared_ptr<const MapFile> FindBuilt(const MapRequest& request, uint64_t version) = 0;
 
   // Removes all maps of a traverse: it was deleted.
-  virtual void Forget(const std::string& /*traverse*/) {}
+  virtual void Forget(const std::string& traverse) = 0;
 };
 
 }  // namespace curvereg::server

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/parallel.h"
 #include "curvereg/v1/traverse_service.grpc.pb.h"
 #include "wire/digest.h"
 #include "wire/error.h"
@@ -61,7 +62,9 @@ absl::StatusOr<MapStream::Next> MapStream::FindMap(std::deque<v1::DownloadMapRes
 }
 
 absl::StatusOr<MapStream::Next> MapStream::BuildMap(std::deque<v1::DownloadMapResponse>& made) {
-  absl::StatusOr<std::shared_ptr<const MapFile>> map = environment_.maps->Build(map_request_, *source_, call().stop());
+  absl::StatusOr<std::shared_ptr<const MapFile>> map = absl::UnknownError("not built");
+  WithThreadLimit(environment_.limits.max_threads_per_registration,
+                  [&] { map = environment_.maps->Build(map_request_, *source_, call().stop()); });
   source_.reset();
   if (!map.ok()) return map.status();
   return Announce(*std::move(map), made);

@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <new>
 #include <set>
 
 #include "render/scan_pictures.h"
 #include "tests/server/registration/registration_server.h"
+#include "tests/server/store/throwing_store.h"
 #include "tests/testing/matchers.h"
 
 namespace curvereg::server {
@@ -80,39 +80,6 @@ TEST(RenderScanTest, WrongFieldsAndScansAreNamed) {
   EXPECT_EQ(field_of(RequestFor(nowhere)), "scan");
   EXPECT_EQ(wire::ReasonOf(server.Render(RequestFor(nowhere)).status()), v1::ERROR_REASON_UNUSABLE_SCAN);
 }
-
-// A store whose reads throw, as a library does that gets no memory. All else is the real store's.
-class ThrowingStore final : public ScanStore {
- public:
-  explicit ThrowingStore(ScanStore& store) : store_(store) {}
-  absl::StatusOr<std::unique_ptr<UploadWriter>> BeginUpload(const UploadDescription& description) override {
-    return store_.BeginUpload(description);
-  }
-  absl::StatusOr<UploadState> GetUpload(const std::string& upload_id) override { return store_.GetUpload(upload_id); }
-  absl::StatusOr<int> ExpireUploads(std::chrono::system_clock::time_point now) override {
-    return store_.ExpireUploads(now);
-  }
-  absl::StatusOr<std::optional<StoredScan>> FindScan(const UploadDescription& description) override {
-    return store_.FindScan(description);
-  }
-  absl::StatusOr<StoredScan> GetScan(const std::string& scan_id) override {
-    if (throws_early) throw std::bad_alloc();
-    return store_.GetScan(scan_id);
-  }
-  absl::StatusOr<std::string> ReadPayload(const std::string&, uint64_t, uint64_t) override { throw std::bad_alloc(); }
-  absl::StatusOr<std::string> ReadWholePayload(const std::string&) override { throw std::bad_alloc(); }
-  absl::StatusOr<ScanPage> ListScans(int page_size, const std::string& page_token) override {
-    return store_.ListScans(page_size, page_token);
-  }
-  absl::Status DeleteScan(const std::string& scan_id) override { return store_.DeleteScan(scan_id); }
-  StoreStatistics Statistics() override { return store_.Statistics(); }
-  std::vector<std::string> DamagedScans() override { return store_.DamagedScans(); }
-
-  bool throws_early = false;
-
- private:
-  ScanStore& store_;
-};
 
 TEST(ComputingCallTest, ExceptionsOfLibrariesAreInternalErrors) {
   RegistrationServer real;

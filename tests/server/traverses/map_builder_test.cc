@@ -9,12 +9,14 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <new>
 #include <thread>
 #include <vector>
 
 #include "core/mapping/point_map.h"
 #include "tests/core/mapping/map_scenes.h"
 #include "tests/server/store/store_testing.h"
+#include "tests/server/store/throwing_store.h"
 #include "wire/point_codec.h"
 
 namespace curvereg::server {
@@ -215,6 +217,19 @@ TEST_F(MapBuilderTest, DamagedAndUnfinishedFilesAreBuiltAnew) {
   std::ofstream(path + ".part") << "killed meanwhile";
   builder_ = Open({});
   EXPECT_THAT(Files(), SizeIs(1));
+}
+
+TEST_F(MapBuilderTest, CanBeBuiltAfterALibraryThrew) {
+  ThrowingStore store(*store_);
+  TraverseEnvironment environment;
+  environment.store = &store;
+  environment.memory = &memory_;
+  const auto builder = MapBuilder::Open(folder_.path(), environment, {});
+  ASSERT_THAT(builder, IsOk());
+  for (int i = 0; i < 2; ++i) {  // the second would wait for the first for ever
+    EXPECT_THROW((*builder)->Build({.traverse = kTraverse}, source_, {}).IgnoreError(), std::bad_alloc);
+  }
+  EXPECT_EQ(memory_.reserved_bytes(), 0U);
 }
 
 TEST_F(MapBuilderTest, RequestsAreChecked) {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "core/parallel.h"
 #include "tests/server/traverses/fake_traverses.h"
 #include "tests/server/traverses/stream_server.h"
 #include "tests/testing/matchers.h"
@@ -53,6 +54,13 @@ class TextMaps final : public server::MapBuilder {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     if (request.cell_m > 10) return wire::FieldError("cell_m", "is too large");
+    if (meets) {
+      std::atomic<int> num_there = 0;
+      ParallelFor(2, [&](int) {
+        ++num_there;
+        if (WaitUntil([&] { return num_there == 2; })) has_met = true;
+      });
+    }
     std::string text;
     while (text.size() < num_bytes) absl::StrAppend(&text, request.cell_m, " ", source.version, " ", text.size(), "\n");
     built[source.version] = std::make_shared<TextMap>(source.version, text.substr(0, num_bytes));
@@ -61,11 +69,14 @@ class TextMaps final : public server::MapBuilder {
   std::shared_ptr<const server::MapFile> FindBuilt(const server::MapRequest&, uint64_t version) override {
     return built.contains(version) ? built[version] : nullptr;
   }
+  void Forget(const std::string&) override { built.clear(); }
 
   std::map<uint64_t, std::shared_ptr<const server::MapFile>> built;
   uint64_t num_bytes = kMapBytes;
   std::atomic<int> num_builds = 0;
   std::atomic<bool> is_slow = false;
+  bool meets = false;  // builds with two tasks that wait for each other
+  std::atomic<bool> has_met = false;
 };
 
 struct DownloadedMap {
@@ -120,6 +131,13 @@ TEST_F(MapStreamTest, TellsWhatTheMapIsAndItsBytes) {
   EXPECT_EQ(map.bytes.size(), kMapBytes);
   EXPECT_TRUE(wire::SameDigest(Xxh3(map.bytes), map.header->payload_digest()));
   EXPECT_THAT(map.bytes, ::testing::StartsWith("0.5 1 0\n"));
+}
+
+TEST_F(MapStreamTest, BuildsWithMoreThanOneThread) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor";
+  maps_.meets = true;
+  ASSERT_THAT(Get().status, IsOk());
+  EXPECT_TRUE(maps_.has_met);
 }
 
 TEST_F(MapStreamTest, GoesOnFromAnyOffset) {
