@@ -18,7 +18,9 @@ v1::RigidTransform ToWire(const RigidTransform& T);
 absl::StatusOr<RigidTransform> FromWire(const v1::RigidTransform& T);
 
 v1::PoseCovariance ToWire(const Matrix6d& covariance);
-// Of 21 finite numbers; positive definite.
+// Of 21 finite numbers.
+absl::StatusOr<Matrix6d> SymmetricFromWire(const v1::PoseCovariance& covariance);
+// The same; positive definite.
 absl::StatusOr<Matrix6d> FromWire(const v1::PoseCovariance& covariance);
 
 v1::Method ToWire(Method method);

@@ -53,7 +53,7 @@ v1::PoseCovariance ToWire(const Matrix6d& covariance) {
   return message;
 }
 
-absl::StatusOr<Matrix6d> FromWire(const v1::PoseCovariance& covariance) {
+absl::StatusOr<Matrix6d> SymmetricFromWire(const v1::PoseCovariance& covariance) {
   if (covariance.upper_triangle_size() != kUpperTriangle) return FieldError("upper_triangle", "not 21 numbers");
   Matrix6d matrix;
   int next = 0;
@@ -61,7 +61,13 @@ absl::StatusOr<Matrix6d> FromWire(const v1::PoseCovariance& covariance) {
     for (int col = row; col < 6; ++col) matrix(row, col) = matrix(col, row) = covariance.upper_triangle(next++);
   }
   if (!matrix.allFinite()) return FieldError("upper_triangle", "not finite");
-  if (const Eigen::LLT<Matrix6d> cholesky(matrix); cholesky.info() != Eigen::Success) {
+  return matrix;
+}
+
+absl::StatusOr<Matrix6d> FromWire(const v1::PoseCovariance& covariance) {
+  absl::StatusOr<Matrix6d> matrix = SymmetricFromWire(covariance);
+  if (!matrix.ok()) return matrix.status();
+  if (const Eigen::LLT<Matrix6d> cholesky(*matrix); cholesky.info() != Eigen::Success) {
     return FieldError("upper_triangle", "not positive definite");
   }
   return matrix;

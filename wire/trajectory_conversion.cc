@@ -12,8 +12,6 @@
 namespace curvereg::wire {
 namespace {
 
-constexpr int kUpperTriangle = 21;  // numbers of a symmetric 6x6 matrix
-
 v1::PoseOrigin ToWire(PoseOrigin origin) {
   switch (origin) {
     case PoseOrigin::kSegmentStart:
@@ -37,19 +35,6 @@ absl::StatusOr<PoseOrigin> OriginFromWire(v1::PoseOrigin origin) {
     default:
       return FieldError("origin", "not a known origin");
   }
-}
-
-absl::StatusOr<Matrix6d> CovarianceFromWire(const v1::PoseCovariance& message) {
-  if (message.upper_triangle_size() != kUpperTriangle) return FieldError("covariance", "not 21 numbers");
-  Matrix6d covariance;
-  int next = 0;
-  for (int row = 0; row < 6; ++row) {
-    for (int col = row; col < 6; ++col) covariance(row, col) = covariance(col, row) = message.upper_triangle(next++);
-  }
-  if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0.0) {
-    return FieldError("covariance", "not the covariance of anything");
-  }
-  return covariance;
 }
 
 }  // namespace
@@ -83,8 +68,11 @@ absl::StatusOr<TrajectoryPose> FromWire(const v1::TrajectoryPose& message) {
   if (!origin.ok()) return origin.status();
   pose.origin = *origin;
   if (!message.has_covariance()) return pose;
-  const absl::StatusOr<Matrix6d> covariance = CovarianceFromWire(message.covariance());
-  if (!covariance.ok()) return covariance.status();
+  const absl::StatusOr<Matrix6d> covariance = SymmetricFromWire(message.covariance());
+  if (!covariance.ok()) return WithinField("covariance", covariance.status());
+  if (covariance->diagonal().minCoeff() < 0.0) {
+    return FieldError("covariance.upper_triangle", "negative on its diagonal");
+  }
   pose.covariance = *covariance;
   return pose;
 }

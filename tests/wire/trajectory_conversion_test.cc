@@ -6,6 +6,8 @@
 
 #include <limits>
 
+#include "wire/error.h"
+
 namespace curvereg::wire {
 namespace {
 
@@ -77,6 +79,7 @@ TEST(TrajectoryConversionTest, RefusesNonsense) {
   bad = good;
   bad.mutable_covariance()->set_upper_triangle(0, -1.0);
   EXPECT_TRUE(absl::IsInvalidArgument(FromWire(bad).status()));
+  EXPECT_EQ(BadRequestOf(FromWire(bad).status())->field_violations(0).field(), "covariance.upper_triangle");
   bad = good;
   bad.mutable_covariance()->set_upper_triangle(1, std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(absl::IsInvalidArgument(FromWire(bad).status()));
