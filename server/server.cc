@@ -44,7 +44,6 @@ constexpr const char* kScanServiceName = v1::ScanService::service_full_name();
 constexpr const char* kTraverseServiceName = v1::TraverseService::service_full_name();
 constexpr int kDiskWorkers = 2;                                // one that writes, one that checks
 constexpr int kMaxDiskTasks = 1 << 20;                         // each open stream has at most one
-constexpr int kMessageOverheadBytes = 64 << 10;                // what a chunk's message has beside its data
 constexpr uint64_t kLeastQuotaBytes = uint64_t{256} << 20;     // of gRPC's own buffers
 constexpr std::chrono::minutes kExpiryInterval{10};            // between looks for abandoned uploads
 constexpr std::chrono::milliseconds kCancellationMargin{500};  // of the grace time, for cancelled calls to end
@@ -236,8 +235,7 @@ absl::Status WholeServer::Listen() {
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   builder.AddListeningPort(config_.listen, *credentials, &port_);
-  builder.SetMaxReceiveMessageSize(
-      static_cast<int>(std::max<uint64_t>(limits_.max_message_bytes, limits_.max_chunk_bytes + kMessageOverheadBytes)));
+  builder.SetMaxReceiveMessageSize(static_cast<int>(limits_.max_message_bytes));
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // two servers on one port would share its calls
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, limits_.max_streams_per_connection);
