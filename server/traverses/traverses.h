@@ -57,7 +57,7 @@ class Traverses {
                                                          const TraverseEnvironment& environment);
   virtual ~Traverses() = default;  // Close
   // Cancels what runs and waits for it; what is not done is done after the next Open. Nothing can be changed after it.
-  virtual void Close() {}
+  virtual void Close() = 0;
 
   // INVALID_FIELD, TRAVERSE_EXISTS, TOO_MANY_TRAVERSES; all that take a name: TRAVERSE_NOT_FOUND.
   virtual absl::StatusOr<v1::Traverse> Create(const v1::CreateTraverseRequest& request) = 0;
@@ -106,7 +106,7 @@ class Traverses {
   virtual absl::StatusOr<MapSource> SourceOfMap(const std::string& name, uint32_t segment) = 0;
 
   // Removes a scan from the store of scans. SCAN_IN_USE; errors of ScanStore::DeleteScan.
-  virtual absl::Status DeleteScan(const std::string& /*scan_id*/) { return absl::OkStatus(); }
+  virtual absl::Status DeleteScan(const std::string& scan_id) = 0;
 
   virtual uint64_t num_traverses() = 0;
 };

@@ -29,6 +29,7 @@ class FakeTraverses final : public server::Traverses {
   int num_added() const;                           // calls of AddScan that changed something
   void set_source_version(uint64_t version);
 
+  void Close() override {}
   absl::StatusOr<v1::Traverse> Create(const v1::CreateTraverseRequest& request) override;
   absl::StatusOr<v1::Traverse> Get(const std::string& name) override;
   absl::StatusOr<v1::ListTraversesResponse> List(const v1::ListTraversesRequest& request) override;
