@@ -115,7 +115,7 @@ double RobustCost(const std::vector<double>& squared_errors, double squared_scal
 // Graduated non-convexity from the problem's poses: the kernel starts with the scale sqrt(mu) c and gets sharper with
 // every step of the least squares that are re-weighted to it, until it has the scale c.
 absl::StatusOr<Graduation> Graduate(const PoseGraph& graph, const PoseGraphOptions& options, double mu,
-                                    const Stop& stop, PoseGraphLeastSquares& problem) {
+                                    PoseGraphLeastSquares& problem) {
   constexpr double kSharpening = 2.0;
   constexpr double kVeryBlunt = 100.0;  // where little depends on the kernel
   constexpr double kStill = 0.01;       // of a least deviation
@@ -125,7 +125,7 @@ absl::StatusOr<Graduation> Graduate(const PoseGraph& graph, const PoseGraphOptio
   while (!result.converged && result.iterations < options.max_iterations) {
     const std::vector<RigidTransform> before = problem.poses();
     const absl::Status status =
-        problem.Improve(WithHold(KernelWeights(result.squared_errors, mu * squared_scale, graph), graph), stop);
+        problem.Improve(WithHold(KernelWeights(result.squared_errors, mu * squared_scale, graph), graph));
     if (!status.ok()) return status;
     ++result.iterations;
     result.squared_errors = problem.SquaredErrors();
@@ -149,7 +149,7 @@ double ConvexFor(double part, std::vector<double> squared_errors, const PoseGrap
 
 // Graduates again from where MoveParts would have parts of the graph, if anywhere.
 absl::StatusOr<Graduation> WithPartsMoved(Graduation best, const PoseGraph& graph, const PoseGraphOptions& options,
-                                          const Stop& stop, PoseGraphLeastSquares& problem) {
+                                          PoseGraphLeastSquares& problem) {
   constexpr int kMaxRounds = 3;
   const double squared_scale = options.kernel_sigmas * options.kernel_sigmas;
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -163,7 +163,7 @@ absl::StatusOr<Graduation> WithPartsMoved(Graduation best, const PoseGraph& grap
       break;
     problem.SetPoses(T_graph_node);
     absl::StatusOr<Graduation> next =
-        Graduate(graph, options, ConvexFor(kMost, problem.SquaredErrors(), options), stop, problem);
+        Graduate(graph, options, ConvexFor(kMost, problem.SquaredErrors(), options), problem);
     if (!next.ok()) return next;
     next->iterations += best.iterations;
     best.iterations = next->iterations;
@@ -175,7 +175,7 @@ absl::StatusOr<Graduation> WithPartsMoved(Graduation best, const PoseGraph& grap
 
 // The first graduation trusts the start: edges far from it have no say at first. Where it gives edges up, the start may
 // be to blame, and a second one begins with a kernel that is convex for all; the lower cost wins.
-absl::StatusOr<Graduation> BestGraduation(const PoseGraph& graph, const PoseGraphOptions& options, const Stop& stop,
+absl::StatusOr<Graduation> BestGraduation(const PoseGraph& graph, const PoseGraphOptions& options,
                                           PoseGraphLeastSquares& problem) {
   constexpr double kBelieved = 0.05;
   const std::vector<RigidTransform> start = BetterStart(graph, options, problem);
@@ -184,17 +184,17 @@ absl::StatusOr<Graduation> BestGraduation(const PoseGraph& graph, const PoseGrap
   // Larger numbers would overflow in the products to come.
   if (!std::all_of(squared_errors.begin(), squared_errors.end(), [](double square) { return square < 1e40; }))
     return absl::InvalidArgumentError("the pose graph holds numbers that cannot be computed with");
-  absl::StatusOr<Graduation> best = Graduate(graph, options, ConvexFor(kMost, squared_errors, options), stop, problem);
+  absl::StatusOr<Graduation> best = Graduate(graph, options, ConvexFor(kMost, squared_errors, options), problem);
   if (!best.ok()) return best;
   const std::vector<double> weights =
       KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas, graph);
   if (*std::min_element(weights.begin(), weights.end()) > kBelieved) return best;
-  best = WithPartsMoved(*std::move(best), graph, options, stop, problem);
+  best = WithPartsMoved(*std::move(best), graph, options, problem);
   if (!best.ok()) return best;
   problem.SetPoses(start);
-  absl::StatusOr<Graduation> second = Graduate(graph, options, ConvexFor(1.0, squared_errors, options), stop, problem);
+  absl::StatusOr<Graduation> second = Graduate(graph, options, ConvexFor(1.0, squared_errors, options), problem);
   if (!second.ok()) return second;
-  second = WithPartsMoved(*std::move(second), graph, options, stop, problem);
+  second = WithPartsMoved(*std::move(second), graph, options, problem);
   if (!second.ok()) return second;
   const int iterations = best->iterations + second->iterations;
   if (second->cost < best->cost) best = std::move(second);
@@ -204,18 +204,18 @@ absl::StatusOr<Graduation> BestGraduation(const PoseGraph& graph, const PoseGrap
 }
 
 absl::StatusOr<PoseGraphResult> Optimize(const PoseGraph& graph, const PoseGraphOptions& options, const Stop& stop) {
-  PoseGraphLeastSquares problem(graph, options);
+  PoseGraphLeastSquares problem(graph, options, stop);
   PoseGraphResult result;
   result.converged = graph.edges.empty();
   if (!graph.edges.empty()) {
-    const absl::StatusOr<Graduation> best = BestGraduation(graph, options, stop, problem);
+    const absl::StatusOr<Graduation> best = BestGraduation(graph, options, problem);
     if (!best.ok()) return best.status();
     result.iterations = best->iterations;
     result.converged = best->converged;
     result.edge_weights = KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas, graph);
   }
   if (options.with_covariances) {
-    auto covariances = problem.Covariances(WithHold(result.edge_weights, graph), stop);
+    auto covariances = problem.Covariances(WithHold(result.edge_weights, graph));
     if (!covariances.ok()) return covariances.status();
     result.covariances = *std::move(covariances);
   }

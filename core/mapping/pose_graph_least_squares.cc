@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 #include "core/mapping/pose_graph_covariance.h"
 #include "core/mapping/pose_graph_residual.h"
@@ -62,13 +63,15 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
-// The whitened error times the root of a weight that changes from problem to problem.
+// The whitened error times the root of a weight that changes from problem to problem. Nothing at a stop: Ceres asks its
+// callbacks only between steps, which take long in large graphs.
 class EdgeCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
  public:
-  EdgeCost(const PoseGraphEdge& edge, const Matrix6d& whitening, const double& weight)
-      : edge_(edge), whitening_(whitening), weight_(weight) {}
+  EdgeCost(const PoseGraphEdge& edge, const Matrix6d& whitening, const double& weight, const Stop& stop)
+      : edge_(edge), whitening_(whitening), weight_(weight), stop_(stop) {}
 
   bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
+    if (stop_.Requested()) return false;
     const RigidTransform T_first_source = ToTransform(poses[0]), T_first_target = ToTransform(poses[1]);
     const Matrix6d scale = std::sqrt(weight_) * whitening_;
     Eigen::Map<Vector6d> error(residuals);
@@ -91,6 +94,7 @@ class EdgeCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> 
   const PoseGraphEdge& edge_;
   const Matrix6d whitening_;
   const double& weight_;
+  const Stop& stop_;
 };
 
 // Ends after the first step that made the sum smaller, or at a stop.
@@ -107,6 +111,24 @@ class OneStep final : public ceres::IterationCallback {
   const Stop& stop_;
 };
 
+absl::Status StopStatus(const Stop& stop) {
+  if (stop.Cancelled()) return absl::CancelledError("the optimisation was cancelled");
+  if (stop.PastDeadline()) return absl::DeadlineExceededError("the optimisation ran out of time");
+  return absl::OkStatus();
+}
+
+std::vector<Matrix6d> WhiteningOfEdges(const PoseGraph& graph, const PoseGraphOptions& options) {
+  constexpr int kEdgesPerTask = 64;
+  std::vector<Matrix6d> whitening(graph.edges.size());
+  const auto num_edges = static_cast<int>(whitening.size());
+  ParallelFor((num_edges + kEdgesPerTask - 1) / kEdgesPerTask, [&](int task) {
+    const int end = std::min(num_edges, (task + 1) * kEdgesPerTask);
+    for (auto i = static_cast<size_t>(task * kEdgesPerTask); i < static_cast<size_t>(end); ++i)
+      whitening[i] = Whitening(graph.edges[i].covariance, options);
+  });
+  return whitening;
+}
+
 ceres::Problem::Options Borrowing() {
   ceres::Problem::Options options;
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -119,6 +141,7 @@ ceres::Problem::Options Borrowing() {
 
 struct PoseGraphLeastSquares::State {
   const PoseGraph& graph;
+  const Stop stop;
   std::vector<int> first_node;
   std::vector<RigidTransform> T_graph_node;
   std::vector<double> blocks;  // kPoseSize for each node: T_first_node
@@ -134,8 +157,9 @@ struct PoseGraphLeastSquares::State {
   bool Held(int node) const { return first_node[static_cast<size_t>(node)] == node; }
 };
 
-PoseGraphLeastSquares::PoseGraphLeastSquares(const PoseGraph& graph, const PoseGraphOptions& options)
+PoseGraphLeastSquares::PoseGraphLeastSquares(const PoseGraph& graph, const PoseGraphOptions& options, Stop stop)
     : state_(new State{.graph = graph,
+                       .stop = std::move(stop),
                        .first_node = FirstNodes(graph),
                        .T_graph_node = {},
                        .blocks = {},
@@ -147,10 +171,10 @@ PoseGraphLeastSquares::PoseGraphLeastSquares(const PoseGraph& graph, const PoseG
   state.blocks.resize(kPoseSize * graph.T_graph_node.size());
   SetPoses(graph.T_graph_node);
   state.weights.assign(graph.edges.size(), 1.0);
+  state.whitening = WhiteningOfEdges(graph, options);
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     const PoseGraphEdge& edge = graph.edges[i];
-    state.whitening.push_back(Whitening(edge.covariance, options));
-    state.costs.emplace_back(edge, state.whitening.back(), state.weights[i]);
+    state.costs.emplace_back(edge, state.whitening[i], state.weights[i], state.stop);
     for (const int node : {edge.source, edge.target})
       if (!state.problem.HasParameterBlock(state.Block(node)))
         state.problem.AddParameterBlock(state.Block(node), kPoseSize, &state.manifold);
@@ -191,10 +215,11 @@ std::vector<double> PoseGraphLeastSquares::SquaredErrors() const {
   return squares;
 }
 
-absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights, const Stop& stop) {
+absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights) {
   State& state = *state_;
+  if (absl::Status status = StopStatus(state.stop); !status.ok()) return status;
   std::copy(weights.begin(), weights.end(), state.weights.begin());
-  OneStep callback(stop);
+  OneStep callback(state.stop);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   // Eigen's: the others call a BLAS that may add up in another order on another number of threads.
@@ -209,8 +234,7 @@ absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights, 
   options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &state.problem, &summary);
-  if (stop.Cancelled()) return absl::CancelledError("the optimisation was cancelled");
-  if (stop.PastDeadline()) return absl::DeadlineExceededError("the optimisation ran out of time");
+  if (absl::Status status = StopStatus(state.stop); !status.ok()) return status;
   if (!summary.IsSolutionUsable())
     return absl::InvalidArgumentError("the pose graph holds numbers that cannot be computed with");
   if (!summary.iterations.empty()) state.trust_radius = std::max(1e2, summary.iterations.back().trust_region_radius);
@@ -220,8 +244,7 @@ absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights, 
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<Matrix6d>> PoseGraphLeastSquares::Covariances(const std::vector<double>& weights,
-                                                                         const Stop& stop) const {
+absl::StatusOr<std::vector<Matrix6d>> PoseGraphLeastSquares::Covariances(const std::vector<double>& weights) const {
   const State& state = *state_;
   std::vector<int> place(state.first_node.size(), -1);
   int size = 0;
@@ -247,7 +270,7 @@ absl::StatusOr<std::vector<Matrix6d>> PoseGraphLeastSquares::Covariances(const s
   }
   Eigen::SparseMatrix<double> information(6 * size, 6 * size);
   information.setFromTriplets(entries.begin(), entries.end());
-  const auto blocks = DiagonalBlocksOfInverse(information, stop);
+  const auto blocks = DiagonalBlocksOfInverse(information, state.stop);
   if (!blocks.ok()) return blocks.status();
   std::vector<Matrix6d> covariances(place.size(), Matrix6d::Zero());
   for (size_t i = 0; i < place.size(); ++i)

@@ -20,7 +20,7 @@ class PoseGraphLeastSquares {
  public:
   // The first node of each component is held. Starts at the poses of `graph`, which must outlive the object and be
   // valid.
-  PoseGraphLeastSquares(const PoseGraph& graph, const PoseGraphOptions& options);
+  PoseGraphLeastSquares(const PoseGraph& graph, const PoseGraphOptions& options, Stop stop = {});
   ~PoseGraphLeastSquares();
 
   const std::vector<RigidTransform>& poses() const;  // T_graph_node
@@ -33,10 +33,10 @@ class PoseGraphLeastSquares {
 
   // One step towards the least sum of weights times squared errors; none when it would not get smaller.
   // CANCELLED, DEADLINE_EXCEEDED; INVALID_ARGUMENT: the numbers are beyond what can be computed with.
-  absl::Status Improve(const std::vector<double>& weights, const Stop& stop);
+  absl::Status Improve(const std::vector<double>& weights);
 
   // Covariances as PoseGraphResult has them.
-  absl::StatusOr<std::vector<Matrix6d>> Covariances(const std::vector<double>& weights, const Stop& stop) const;
+  absl::StatusOr<std::vector<Matrix6d>> Covariances(const std::vector<double>& weights) const;
 
  private:
   struct State;

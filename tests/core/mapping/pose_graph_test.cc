@@ -247,6 +247,18 @@ TEST(OptimizePoseGraph, Stops) {
               HasCode(absl::StatusCode::kDeadlineExceeded));
 }
 
+TEST(OptimizePoseGraph, StopsLongBeforeItsEnd) {
+  const PoseGraph graph = Drive(1000, 8).graph;
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  ASSERT_THAT(OptimizePoseGraph(graph, {}), IsOk());
+  const auto whole = Clock::now() - start;
+  const auto deadline = Clock::now() + whole / 4;
+  EXPECT_THAT(OptimizePoseGraph(graph, {}, {.cancellation = {}, .deadline = deadline}),
+              HasCode(absl::StatusCode::kDeadlineExceeded));
+  EXPECT_LE(Clock::now() - deadline, whole / 4);
+}
+
 TEST(OptimizePoseGraph, GivesTheSameBytesAtAnyThreadCount) {
   KnownGraph drive = Drive(150, 9);
   for (size_t i = 0; i < drive.graph.edges.size(); i += 12)
