@@ -6,6 +6,7 @@
 #ifndef CURVEREG_SERVER_TRAVERSES_TRAVERSE_ENGINE_H_
 #define CURVEREG_SERVER_TRAVERSES_TRAVERSE_ENGINE_H_
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -104,8 +105,8 @@ class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
   bool is_to_forget_ = false;  // a call that looks whether to forget what was read is waiting
   std::chrono::steady_clock::time_point last_work_;
   bool revision_due_ = false;
-  int num_failures_ = 0;   // in a row
-  int num_preempted_ = 0;  // in a row
+  int num_failures_ = 0;                // in a row
+  std::array<int, 2> num_preempted_{};  // in a row, of looks around and of revisions
   TraverseWork work_;
 };
 

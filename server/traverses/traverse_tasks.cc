@@ -139,10 +139,10 @@ void TraverseEngine::EndTask(const absl::Status& status, bool is_refused, Kind k
     if (closed_) return;  // from here on nothing of the environment may be there
     // What gave way to a scan is no failure.
     const bool is_preempted = absl::IsCancelled(status);
-    if (is_preempted) {
-      ++num_preempted_;
-    } else if (kind == Kind::kLookAround || kind == Kind::kRevise) {
-      num_preempted_ = 0;  // a scan tracked between two attempts is no progress of theirs
+    // Each kind for itself: what the other gets done between two attempts is no progress of this one.
+    if (kind == Kind::kLookAround || kind == Kind::kRevise) {
+      int& num_preempted = num_preempted_[kind == Kind::kRevise];
+      num_preempted = is_preempted ? num_preempted + 1 : 0;
     }
     const bool is_failure = !status.ok() && !is_preempted;
     if (!is_refused) num_failures_ = is_failure ? num_failures_ + 1 : 0;
@@ -223,7 +223,7 @@ absl::Status TraverseEngine::InBackground(Kind kind) {
   {
     const std::lock_guard lock(mutex_);
     must_end = num_failures_ >= kMaxFailures;
-    if (num_preempted_ < kMaxPreempted) preemption = background_.get_token();
+    if (num_preempted_[kind == Kind::kRevise] < kMaxPreempted) preemption = background_.get_token();
   }
   const std::stop_callback on_close(closing_.get_token(), [&] { stop.request_stop(); });
   const std::stop_callback on_scan(preemption, [&] { stop.request_stop(); });
