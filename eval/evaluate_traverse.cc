@@ -171,6 +171,7 @@ absl::Status Optimise(const TraverseEvaluationOptions& options, PreparedShelf& s
   if (!revision.ok()) return revision.status();
   ApplyRevision(traverse, *revision);
   evaluation.num_given_up_links = revision->num_rejected_links;
+  evaluation.converged = revision->converged;
   evaluation.optimise_seconds = SecondsSince(start);
   return absl::OkStatus();
 }

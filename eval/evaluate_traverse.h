@@ -43,6 +43,7 @@ struct TraverseEvaluation {
   int num_accepted_links = 0;
   int num_accepted_wrong_links = 0;   // beyond SuccessBounds of the truth
   int num_given_up_links = 0;         // by the optimisation
+  bool converged = true;              // whether the optimisation did
   std::vector<double> track_seconds;  // per scan: preparation and TrackScan
   double optimise_seconds = 0.0;      // FindLoopClosures and ReviseTraverse
 };

@@ -76,7 +76,7 @@ std::string Headline(const TraverseEvaluation& evaluation) {
   std::string text = absl::StrCat(evaluation.num_scans, " scans by ", std::string(MethodName(evaluation.method)), ": ",
                                   evaluation.num_accepted_links, " of ", evaluation.links.size(), " links accepted, ",
                                   evaluation.num_accepted_wrong_links, " of them wrong; the optimisation gave up ",
-                                  evaluation.num_given_up_links);
+                                  evaluation.num_given_up_links, evaluation.converged ? "" : " and did not converge");
   absl::StrAppendFormat(&text, ". Tracking: median %.3f s a scan; optimisation %.3f s.",
                         Quantile(evaluation.track_seconds, 0.5), evaluation.optimise_seconds);
   if (evaluation.true_thickness) {
@@ -133,6 +133,7 @@ std::string TraverseEvaluationJson(const TraverseEvaluation& evaluation, int ind
   json["accepted_links"] = evaluation.num_accepted_links;
   json["accepted_wrong_links"] = evaluation.num_accepted_wrong_links;
   json["given_up_links"] = evaluation.num_given_up_links;
+  json["converged"] = evaluation.converged;
   json["median_track_s"] = Quantile(evaluation.track_seconds, 0.5);
   json["p95_track_s"] = Quantile(evaluation.track_seconds, 0.95);
   json["optimise_s"] = evaluation.optimise_seconds;

@@ -192,6 +192,11 @@ absl::StatusOr<TraverseStep> TraverseWork::CloseLoops(const Stop& stop) {
 absl::StatusOr<TraverseWork::Revised> TraverseWork::Revise(const Stop& stop) {
   absl::StatusOr<TraverseRevision> revision = ReviseTraverse(traverse_, options_, stop);
   if (!revision.ok()) return revision.status();
+  if (!revision->converged) {
+    environment_.logger->Warning(
+        "revision_did_not_converge",
+        {{"traverse", name_}, {"max_translation_change_m", revision->max_translation_change_m}});
+  }
   TraverseStep step;
   for (TrajectoryPose& pose : revision->poses) {
     step.poses.push_back(wire::ToWire(pose));

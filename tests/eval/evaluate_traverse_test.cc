@@ -21,6 +21,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::TemporaryFolder;
 
 constexpr int kNumScans = 5;
@@ -97,6 +98,19 @@ TEST_F(EvaluateTraverseTest, WithoutTruthThereAreNoErrors) {
   EXPECT_FALSE(evaluation->tracked.errors.has_value());
   EXPECT_FALSE(evaluation->true_thickness.has_value());
   EXPECT_GT(evaluation->optimised.thickness.num_cells, 0);
+}
+
+TEST_F(EvaluateTraverseTest, SaysWhetherTheOptimisationConverged) {
+  absl::StatusOr<TraverseEvaluation> evaluation = EvaluateTraverse(dataset_, options_);
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  EXPECT_TRUE(evaluation->converged);
+  EXPECT_THAT(TraverseEvaluationText(*evaluation), Not(HasSubstr("did not converge")));
+  options_.tracking.pose_graph.max_iterations = 1;
+  evaluation = EvaluateTraverse(dataset_, options_);
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  EXPECT_FALSE(evaluation->converged);
+  EXPECT_THAT(TraverseEvaluationText(*evaluation), HasSubstr("did not converge"));
+  EXPECT_EQ(nlohmann::json::parse(TraverseEvaluationJson(*evaluation))["converged"], false);
 }
 
 TEST_F(EvaluateTraverseTest, WritesAReport) {
