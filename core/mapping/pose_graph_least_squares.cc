@@ -63,15 +63,16 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
-// The whitened error times the root of a weight that changes from problem to problem. Nothing at a stop: Ceres asks its
-// callbacks only between steps, which take long in large graphs.
+// The whitened error times the root of a weight that changes from problem to problem. Zero at a stop, so that Ceres ends
+// where it is: it asks its callbacks only between steps, which take long in large graphs, and complains of costs that
+// fail.
 class EdgeCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
  public:
   EdgeCost(const PoseGraphEdge& edge, const Matrix6d& whitening, const double& weight, const Stop& stop)
       : edge_(edge), whitening_(whitening), weight_(weight), stop_(stop) {}
 
   bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
-    if (stop_.Requested()) return false;
+    if (stop_.Requested()) return Nothing(residuals, jacobians);
     const RigidTransform T_first_source = ToTransform(poses[0]), T_first_target = ToTransform(poses[1]);
     const Matrix6d scale = std::sqrt(weight_) * whitening_;
     Eigen::Map<Vector6d> error(residuals);
@@ -84,6 +85,12 @@ class EdgeCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> 
   }
 
  private:
+  static bool Nothing(double* residuals, double** jacobians) {
+    Eigen::Map<Vector6d>(residuals).setZero();
+    for (int i = 0; jacobians != nullptr && i < 2; ++i) Write(Matrix6d::Zero(), jacobians[i]);
+    return true;
+  }
+
   static void Write(const Matrix6d& derivatives, double* jacobian) {
     if (jacobian == nullptr) return;
     Eigen::Map<RowMajorJacobian> block(jacobian);
