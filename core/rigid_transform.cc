@@ -10,9 +10,8 @@ namespace curvereg {
 Eigen::Matrix3d RotationFromVector(const Eigen::Vector3d& omega) {
   const double angle = omega.norm();
   if (angle < 1e-12) {
-    Eigen::Matrix3d skew;
-    skew << 0.0, -omega.z(), omega.y(), omega.z(), 0.0, -omega.x(), -omega.y(), omega.x(), 0.0;
-    return Eigen::Matrix3d::Identity() + skew;
+    const Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    return axes - axes.colwise().cross(omega);
   }
   return Eigen::AngleAxisd(angle, omega / angle).toRotationMatrix();
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/mapping/pose_graph_bridges.h"
+#include "core/mapping/pose_graph_kernel.h"
 #include "core/mapping/pose_graph_least_squares.h"
 #include "core/mapping/pose_graph_start.h"
 #include "core/parallel.h"
@@ -44,14 +45,9 @@ absl::Status Check(const PoseGraph& graph, const PoseGraphOptions& options) {
   return absl::OkStatus();
 }
 
-// Of the kernel of squared scale c^2: (c^2 / (r^2 + c^2))^2.
-std::vector<double> KernelWeights(const std::vector<double>& squared_errors, double squared_scale,
-                                  const PoseGraph& graph) {
+std::vector<double> KernelWeights(const std::vector<double>& squared_errors, double squared_scale) {
   std::vector<double> weights;
-  for (size_t i = 0; i < squared_errors.size(); ++i) {
-    const double root = squared_scale / (squared_errors[i] + squared_scale);
-    weights.push_back(graph.edges[i].may_be_wrong ? root * root : 1.0);
-  }
+  for (const double squared_error : squared_errors) weights.push_back(KernelWeight(squared_error, squared_scale));
   return weights;
 }
 
@@ -99,16 +95,14 @@ double LargestMove(const std::vector<RigidTransform>& before, const std::vector<
 struct Graduation {
   std::vector<RigidTransform> T_graph_node;
   std::vector<double> squared_errors;
-  double cost = 0.0;  // the robust sum: r^2 of what may not be wrong, c^2 r^2 / (r^2 + c^2) of the rest
+  double cost = 0.0;  // sum of KernelCost
   int iterations = 0;
   bool converged = false;
 };
 
-double RobustCost(const std::vector<double>& squared_errors, double squared_scale, const PoseGraph& graph) {
+double RobustCost(const std::vector<double>& squared_errors, double squared_scale) {
   double cost = 0.0;
-  for (size_t i = 0; i < squared_errors.size(); ++i)
-    cost += graph.edges[i].may_be_wrong ? squared_scale * squared_errors[i] / (squared_errors[i] + squared_scale)
-                                        : squared_errors[i];
+  for (const double squared_error : squared_errors) cost += KernelCost(squared_error, squared_scale);
   return cost;
 }
 
@@ -125,7 +119,7 @@ absl::StatusOr<Graduation> Graduate(const PoseGraph& graph, const PoseGraphOptio
   while (!result.converged && result.iterations < options.max_iterations) {
     const std::vector<RigidTransform> before = problem.poses();
     const absl::Status status =
-        problem.Improve(WithHold(KernelWeights(result.squared_errors, mu * squared_scale, graph), graph));
+        problem.Improve(WithHold(KernelWeights(result.squared_errors, mu * squared_scale), graph));
     if (!status.ok()) return status;
     ++result.iterations;
     result.squared_errors = problem.SquaredErrors();
@@ -133,7 +127,7 @@ absl::StatusOr<Graduation> Graduate(const PoseGraph& graph, const PoseGraphOptio
     mu = std::max(1.0, mu / (mu > kVeryBlunt ? kSharpening * kSharpening : kSharpening));
   }
   result.T_graph_node = problem.poses();
-  result.cost = RobustCost(result.squared_errors, squared_scale, graph);
+  result.cost = RobustCost(result.squared_errors, squared_scale);
   return result;
 }
 
@@ -158,7 +152,7 @@ absl::StatusOr<Graduation> WithPartsMoved(Graduation best, const PoseGraph& grap
                                    const RigidTransform& T_graph_target) {
       return problem.SquaredError(edge, T_graph_source, T_graph_target);
     };
-    if (!MoveParts(graph, KernelWeights(best.squared_errors, squared_scale, graph), squared_scale, squared_error,
+    if (!MoveParts(graph, KernelWeights(best.squared_errors, squared_scale), squared_scale, squared_error,
                    T_graph_node))
       break;
     problem.SetPoses(T_graph_node);
@@ -177,7 +171,6 @@ absl::StatusOr<Graduation> WithPartsMoved(Graduation best, const PoseGraph& grap
 // be to blame, and a second one begins with a kernel that is convex for all; the lower cost wins.
 absl::StatusOr<Graduation> BestGraduation(const PoseGraph& graph, const PoseGraphOptions& options,
                                           PoseGraphLeastSquares& problem) {
-  constexpr double kBelieved = 0.05;
   const std::vector<RigidTransform> start = BetterStart(graph, options, problem);
   problem.SetPoses(start);
   const std::vector<double> squared_errors = problem.SquaredErrors();
@@ -187,8 +180,8 @@ absl::StatusOr<Graduation> BestGraduation(const PoseGraph& graph, const PoseGrap
   absl::StatusOr<Graduation> best = Graduate(graph, options, ConvexFor(kMost, squared_errors, options), problem);
   if (!best.ok()) return best;
   const std::vector<double> weights =
-      KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas, graph);
-  if (*std::min_element(weights.begin(), weights.end()) > kBelieved) return best;
+      KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas);
+  if (*std::min_element(weights.begin(), weights.end()) >= kGivenUpWeight) return best;
   best = WithPartsMoved(*std::move(best), graph, options, problem);
   if (!best.ok()) return best;
   problem.SetPoses(start);
@@ -212,7 +205,7 @@ absl::StatusOr<PoseGraphResult> Optimize(const PoseGraph& graph, const PoseGraph
     if (!best.ok()) return best.status();
     result.iterations = best->iterations;
     result.converged = best->converged;
-    result.edge_weights = KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas, graph);
+    result.edge_weights = KernelWeights(best->squared_errors, options.kernel_sigmas * options.kernel_sigmas);
   }
   if (options.with_covariances) {
     auto covariances = problem.Covariances(WithHold(result.edge_weights, graph));
@@ -232,6 +225,20 @@ absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph, const 
   absl::StatusOr<PoseGraphResult> result = absl::InternalError("not run");
   WithThreadLimit(options.num_threads, [&] { result = Optimize(graph, options, stop); });
   return result;
+}
+
+absl::StatusOr<std::vector<Matrix6d>> PoseGraphCovariances(const PoseGraph& graph, const PoseGraphResult& result,
+                                                           const PoseGraphOptions& options, const Stop& stop) {
+  if (absl::Status status = Check(graph, options); !status.ok()) return status;
+  if (result.T_graph_node.size() != graph.T_graph_node.size() || result.edge_weights.size() != graph.edges.size())
+    return absl::InvalidArgumentError("the result is of another pose graph");
+  absl::StatusOr<std::vector<Matrix6d>> covariances = absl::InternalError("not run");
+  WithThreadLimit(options.num_threads, [&] {
+    PoseGraphLeastSquares problem(graph, options, stop);
+    problem.SetPoses(result.T_graph_node);
+    covariances = problem.Covariances(WithHold(result.edge_weights, graph));
+  });
+  return covariances;
 }
 
 }  // namespace curvereg

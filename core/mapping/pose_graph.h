@@ -19,7 +19,6 @@ struct PoseGraphEdge {
   int target = 0;
   RigidTransform T_target_source = RigidTransform::Identity();
   Matrix6d covariance = Matrix6d::Identity();  // of (rotation [rad], translation [m]), left perturbation, target frame
-  bool may_be_wrong = true;  // false: never given up (a prior from odometry with an honest covariance)
 };
 
 struct PoseGraph {
@@ -33,19 +32,23 @@ struct PoseGraphOptions {
   // Standard deviations are not taken to be smaller than these: registrations are surer of themselves than they ought.
   double least_sigma_rad = 1e-4;
   double least_sigma_m = 2e-3;
-  int max_iterations = 100;  // of one graduation; there are two where edges are given up
+  int max_iterations = 100;  // of one graduation; there are up to eight where edges are given up
   bool with_covariances = true;
   int num_threads = 0;  // 0: one per processor
 };
+
+// An edge of less weight counts as given up: with the default scale it is some nine standard deviations off, as no
+// honest one is.
+inline constexpr double kGivenUpWeight = 0.05;
 
 struct PoseGraphResult {
   std::vector<RigidTransform> T_graph_node;  // node 0 of each connected component stays where it was
   // Of (rotation, translation), left perturbation, graph frame, relative to the component's first node; empty unless
   // asked for.
   std::vector<Matrix6d> covariances;
-  std::vector<double> edge_weights;  // in [0, 1]: 1 fully believed, about 0 given up
-  int iterations = 0;
-  bool converged = false;
+  std::vector<double> edge_weights;  // in [0, 1]: 1 fully believed, below kGivenUpWeight given up
+  int iterations = 0;                // of all graduations
+  bool converged = false;            // whether the poses held still at the end of the best one
 };
 
 // Graduated non-convexity: starts with all edges believed and sharpens the kernel step by step, so that the start need
@@ -56,6 +59,11 @@ struct PoseGraphResult {
 // DEADLINE_EXCEEDED.
 absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph, const PoseGraphOptions& options = {},
                                                   const Stop& stop = {});
+
+// PoseGraphResult::covariances of a result without them, for the graph and options that gave it. Errors as
+// OptimizePoseGraph.
+absl::StatusOr<std::vector<Matrix6d>> PoseGraphCovariances(const PoseGraph& graph, const PoseGraphResult& result,
+                                                           const PoseGraphOptions& options, const Stop& stop = {});
 
 }  // namespace curvereg
 

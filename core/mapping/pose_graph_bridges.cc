@@ -6,16 +6,15 @@
 #include <cstddef>
 #include <numeric>
 
+#include "core/mapping/pose_graph_kernel.h"
 #include "core/mapping/pose_graph_start.h"
 
 namespace curvereg {
 namespace {
 
-constexpr double kBelieved = 0.05;
-
 std::vector<bool> HoldingEdges(const PoseGraph& graph, const std::vector<double>& weights) {
   std::vector<bool> holds = HeaviestForest(graph, weights);
-  for (size_t i = 0; i < weights.size(); ++i) holds[i] = holds[i] || weights[i] >= kBelieved;
+  for (size_t i = 0; i < weights.size(); ++i) holds[i] = holds[i] || weights[i] >= kGivenUpWeight;
   return holds;
 }
 
@@ -137,7 +136,7 @@ class Part {
       const RigidTransform& T_graph_target = T_graph_node[static_cast<size_t>(edge.target)];
       const double square = Has(edge.source) ? squared_error(index, T_new_old * T_graph_source, T_graph_target)
                                              : squared_error(index, T_graph_source, T_new_old * T_graph_target);
-      cost += edge.may_be_wrong ? squared_scale * square / (square + squared_scale) : square;
+      cost += KernelCost(square, squared_scale);
     }
     return cost;
   }

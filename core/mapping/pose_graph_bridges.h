@@ -22,7 +22,7 @@ using SquaredErrorOfEdge =
     std::function<double(int edge, const RigidTransform& T_graph_source, const RigidTransform& T_graph_target)>;
 
 // Moves one part after the other, as a body, to where an edge given up would have it, if that lowers the sum of
-// c^2 r^2 / (r^2 + c^2) over the edges between the part and the rest. `weights`: of the edges at these poses. The first
+// KernelCost over the edges between the part and the rest. `weights`: of the edges at these poses. The first
 // node of each component stays. Returns whether any part was moved.
 bool MoveParts(const PoseGraph& graph, const std::vector<double>& weights, double squared_scale,
                const SquaredErrorOfEdge& squared_error, std::vector<RigidTransform>& T_graph_node);

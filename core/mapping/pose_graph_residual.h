@@ -19,8 +19,15 @@ namespace curvereg {
 // allow. Precondition: `covariance` is positive definite.
 Matrix6d Whitening(const Matrix6d& covariance, const PoseGraphOptions& options);
 
+// [v]x: [v]x w = v x w.
+Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v);
+
 // A: Exp(A delta) T = T Exp(delta) to first order.
 Matrix6d Adjoint(const RigidTransform& T);
+
+// A C A^T: the covariance C, left perturbation, of a transform to the source frame as that of the same one carried on
+// to the target frame. Symmetric to the bit.
+Matrix6d TransportedCovariance(const Matrix6d& covariance, const RigidTransform& T_target_source);
 
 // The covariance, left perturbation, of the inverse of a transform that has `covariance`.
 Matrix6d InverseCovariance(const RigidTransform& T, const Matrix6d& covariance);

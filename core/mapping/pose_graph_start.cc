@@ -49,8 +49,8 @@ Step StepTo(int target, const PoseGraphEdge& edge) {
 
 // T_a_c of T_a_b and T_b_c.
 Step Chained(const Step& a_b, const Step& b_c) {
-  const Matrix6d adjoint = Adjoint(a_b.T_target_source);
-  return {a_b.T_target_source * b_c.T_target_source, a_b.covariance + adjoint * b_c.covariance * adjoint.transpose()};
+  return {a_b.T_target_source * b_c.T_target_source,
+          a_b.covariance + TransportedCovariance(b_c.covariance, a_b.T_target_source)};
 }
 
 // Whether two ways from one node to another lead to the same place.
@@ -93,7 +93,7 @@ double Length(const PoseGraphEdge& edge, const EdgeSupport& support, const PoseG
   const double rotation = variance.head<3>().sum() / (options.least_sigma_rad * options.least_sigma_rad);
   const double translation = variance.tail<3>().sum() / (options.least_sigma_m * options.least_sigma_m);
   const double length = std::max(1.0, (rotation + translation) / 6.0);
-  if (!edge.may_be_wrong || 2 * support.num_consistent > support.num_cycles) return length;
+  if (2 * support.num_consistent > support.num_cycles) return length;
   if (support.num_consistent > 0) return 1e3 * length;
   return (support.num_cycles == 0 ? 1e6 : 1e9) * length;
 }

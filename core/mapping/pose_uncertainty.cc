@@ -4,24 +4,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 
 #include "core/mapping/pose_graph_residual.h"
 
 namespace curvereg {
 namespace {
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d skew;
-  skew << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return skew;
-}
-
-Matrix6d Transported(const Matrix6d& covariance, const RigidTransform& T_target_source) {
-  const Matrix6d adjoint = Adjoint(T_target_source);
-  const Matrix6d moved = adjoint * covariance * adjoint.transpose();
-  return 0.5 * (moved + moved.transpose());
-}
 
 Matrix6d DiagonalOf(double sigma_rad, double sigma_m) {
   Vector6d variances;
@@ -43,14 +31,13 @@ Prior Chained(const Prior& T_a_b, const Prior& T_b_c) {
   Prior T_a_c;
   T_a_c.T_target_source = T_a_b.T_target_source * T_b_c.T_target_source;
   if (T_a_b.covariance.has_value() && T_b_c.covariance.has_value()) {
-    T_a_c.covariance = *T_a_b.covariance + Transported(*T_b_c.covariance, T_a_b.T_target_source);
+    T_a_c.covariance = *T_a_b.covariance + TransportedCovariance(*T_b_c.covariance, T_a_b.T_target_source);
   }
   return T_a_c;
 }
 
 Eigen::Matrix3d PositionCovariance(const RigidTransform& T_target_source, const Matrix6d& covariance) {
-  Eigen::Matrix<double, 3, 6> jacobian;
-  jacobian << -Skew(T_target_source.translation()), Eigen::Matrix3d::Identity();
+  const Eigen::Matrix<double, 3, 6> jacobian = PerturbationToMove(T_target_source).bottomRows<3>();
   return jacobian * covariance * jacobian.transpose();
 }
 
@@ -65,7 +52,7 @@ Prior RelativePose(const TrajectoryPose& target, const TrajectoryPose& source, c
   const Matrix6d in_segment = shares_error ? Magnitude(*source.covariance - *target.covariance)
                                            : Matrix6d(*source.covariance + *target.covariance);
   relative.covariance =
-      Transported(in_segment, T_target_segment) + DiagonalOf(options.least_sigma_rad, options.least_sigma_m);
+      TransportedCovariance(in_segment, T_target_segment) + DiagonalOf(options.least_sigma_rad, options.least_sigma_m);
   return relative;
 }
 

@@ -14,8 +14,6 @@
 namespace curvereg {
 namespace {
 
-constexpr double kGivenUp = 0.05;  // weight of an edge that is some nine standard deviations off: no honest one is
-
 // The graph of a traverse and where its edges come from.
 struct TraverseGraph {
   PoseGraph graph;
@@ -92,6 +90,8 @@ class TraverseReviser {
  private:
   // Segments are joined by links that the optimisation may then give up; without these once more, until all joins hold.
   absl::Status Optimise() {
+    PoseGraphOptions options = options_.pose_graph;
+    options.with_covariances = false;  // of the last round only
     while (true) {
       places_ = PlaceSegments(traverse_, excluded_links_);
       made_ = MakeGraph(traverse_, places_, excluded_links_, options_.pose_graph);
@@ -100,18 +100,25 @@ class TraverseReviser {
       optimised_.edge_weights.assign(made_.graph.edges.size(), 1.0);
       is_optimised_ = HasCycle(made_.graph) || HasJoins();
       if (!is_optimised_) return absl::OkStatus();
-      absl::StatusOr<PoseGraphResult> optimised = OptimizePoseGraph(made_.graph, options_.pose_graph, stop_);
+      absl::StatusOr<PoseGraphResult> optimised = OptimizePoseGraph(made_.graph, options, stop_);
       if (!optimised.ok()) return optimised.status();
       optimised_ = *std::move(optimised);
       std::set<size_t> excluded = excluded_links_;
       for (size_t edge = 0; edge < made_.link_of_edge.size(); ++edge) {
         const size_t link = made_.link_of_edge[edge];
-        if (optimised_.edge_weights[edge] < kGivenUp && JoinsSegments(traverse_, link)) excluded.insert(link);
+        if (optimised_.edge_weights[edge] < kGivenUpWeight && JoinsSegments(traverse_, link)) excluded.insert(link);
       }
       const bool holds = SameJoins(places_, PlaceSegments(traverse_, excluded));
-      if (holds) return absl::OkStatus();
+      if (holds) return FindCovariances();
       excluded_links_ = std::move(excluded);
     }
+  }
+
+  absl::Status FindCovariances() {
+    if (!options_.pose_graph.with_covariances) return absl::OkStatus();
+    auto covariances = PoseGraphCovariances(made_.graph, optimised_, options_.pose_graph, stop_);
+    if (covariances.ok()) optimised_.covariances = *std::move(covariances);
+    return covariances.status();
   }
 
   bool HasJoins() const {
@@ -122,7 +129,7 @@ class TraverseReviser {
   void CountLinks() {
     revision_.num_rejected_links = static_cast<int>(excluded_links_.size());
     for (size_t edge = 0; edge < made_.link_of_edge.size(); ++edge) {
-      const bool is_given_up = optimised_.edge_weights[edge] < kGivenUp;
+      const bool is_given_up = optimised_.edge_weights[edge] < kGivenUpWeight;
       ++(is_given_up ? revision_.num_rejected_links : revision_.num_links);
     }
   }
@@ -135,7 +142,7 @@ class TraverseReviser {
       const PoseGraphEdge& edge = made_.graph.edges[i];
       if (i >= made_.link_of_edge.size()) {
         has_prior[static_cast<size_t>(edge.source)] = true;
-      } else if (optimised_.edge_weights[i] >= kGivenUp) {
+      } else if (optimised_.edge_weights[i] >= kGivenUpWeight) {
         linked.Join(edge.source, edge.target);
       }
     }

@@ -90,13 +90,6 @@ TEST(MoveParts, LeavesAloneWhatNoMajorityWantsElsewhere) {
   }
 }
 
-TEST(MoveParts, DoesNotLeaveWhatMayNotBeWrong) {
-  KnownGraph known = TwoTriangles(3);
-  known.graph.edges[6].may_be_wrong = false;
-  std::vector<RigidTransform> T_graph_node = Misled(known);
-  EXPECT_FALSE(Move(known, T_graph_node));
-}
-
 TEST(MoveParts, FindsPartsThatNoBelievedEdgeHolds) {
   const KnownGraph known = TwoTriangles(2);
   std::vector<RigidTransform> T_graph_node = known.T_graph_node;

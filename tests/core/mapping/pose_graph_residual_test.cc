@@ -62,6 +62,12 @@ TEST(Adjoint, CarriesAPerturbationToTheOtherSide) {
   EXPECT_THAT(T * TransformFromVector(delta), IsNear(left, 1e-9, 1e-9));
 }
 
+TEST(CrossMatrix, IsTheCrossProduct) {
+  const Eigen::Vector3d v(1.0, -2.0, 3.0);
+  const Eigen::Vector3d w(0.5, 4.0, -1.0);
+  EXPECT_EQ(CrossMatrix(v) * w, v.cross(w));
+}
+
 TEST(InverseCovariance, OfTheInverseIsTheFirst) {
   sim::RandomStream random(3);
   const RigidTransform T = RandomTransform(random);

@@ -106,14 +106,6 @@ TEST(PosesThroughSupportedEdges, GoAroundWrongEdges) {
     EXPECT_THAT(T_graph_node[i], IsNear(drive.T_graph_node[i], 0.3, 0.02));
 }
 
-TEST(PosesThroughSupportedEdges, TrustWhatIsNeverWrongBeforeWhatNothingConfirms) {
-  KnownGraph known = Places(2);
-  known.AddEdge(1, 0, DiagonalCovariance(1e-4, 1e-3), Along(5.0));
-  known.AddEdge(1, 0, DiagonalCovariance(1e-2, 1e-1));
-  known.graph.edges[1].may_be_wrong = false;
-  EXPECT_THAT(PosesThroughSupportedEdges(known.graph, {})[1], IsNear(known.T_graph_node[1], 1e-9, 1e-9));
-}
-
 TEST(PosesThroughSupportedEdges, UseAnEdgeBothWaysAndLeaveOthersAlone) {
   KnownGraph known = Places(4);
   known.AddEdge(0, 1, kCovariance);
