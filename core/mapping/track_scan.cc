@@ -128,7 +128,6 @@ TrajectoryPose PoseWithoutLink(const Traverse& traverse, const std::optional<int
     return pose;
   }
   pose.segment = traverse.num_segments;
-  for (const TrajectoryPose& before : traverse.poses) pose.segment = std::max(pose.segment, before.segment + 1);
   pose.covariance = Matrix6d::Zero();
   pose.origin = PoseOrigin::kSegmentStart;
   return pose;

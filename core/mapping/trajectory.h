@@ -52,7 +52,7 @@ struct Traverse {
   std::vector<TrajectoryPose> poses;         // by sequence number, from 0 without gaps
   std::vector<std::optional<Prior>> priors;  // same length: motion since the scan before, which is the target
   std::vector<TraverseLink> links;           // in the order in which they were found
-  int num_segments = 0;                      // begun so far; numbers of ended ones are not used again
+  int num_segments = 0;                      // begun so far, and the number of the next: none is used again
   uint64_t version = 0;                      // of the trajectory: grows whenever poses that were told are revised
 };
 
