@@ -63,9 +63,9 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
-// The whitened error times the root of a weight that changes from problem to problem. Zero at a stop, so that Ceres ends
-// where it is: it asks its callbacks only between steps, which take long in large graphs, and complains of costs that
-// fail.
+// The whitened error times the root of a weight that changes from problem to problem. Zero at a stop, so that Ceres
+// ends where it is: it asks its callbacks only between steps, which take long in large graphs, and complains of costs
+// that fail.
 class EdgeCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
  public:
   EdgeCost(const PoseGraphEdge& edge, const Matrix6d& whitening, const double& weight, const Stop& stop)
