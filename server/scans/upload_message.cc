@@ -153,9 +153,4 @@ void UploadMessage::Clear() {
   chunk_crc32c_ = 0;
 }
 
-grpc::ByteBuffer SerializedResponse(const google::protobuf::MessageLite& response) {
-  const grpc::Slice slice(response.SerializeAsString());
-  return {&slice, 1};
-}
-
 }  // namespace curvereg::server

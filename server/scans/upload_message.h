@@ -17,10 +17,12 @@
 
 namespace curvereg::server {
 
-// Movable; moving it leaves the data where it is.
+// Moving it leaves the data where it is; copying would not.
 class UploadMessage {
  public:
   UploadMessage() = default;
+  UploadMessage(UploadMessage&&) noexcept = default;
+  UploadMessage& operator=(UploadMessage&&) noexcept = default;
   // As if it had been received. The data of a chunk stays in the request.
   explicit UploadMessage(v1::UploadScanRequest request);
 
@@ -44,8 +46,6 @@ class UploadMessage {
   std::vector<std::string_view> chunk_data_;
   uint32_t chunk_crc32c_ = 0;
 };
-
-grpc::ByteBuffer SerializedResponse(const google::protobuf::MessageLite& response);
 
 }  // namespace curvereg::server
 
