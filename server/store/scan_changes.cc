@@ -58,25 +58,34 @@ absl::StatusOr<UploadWriter::Committed> ScanStoreImpl::AddScan(Upload& upload, S
 }
 
 absl::Status ScanStoreImpl::DeleteScan(const std::string& scan_id) {
+  return WithSpareSpace([&] { return RemoveScan(scan_id); });
+}
+
+absl::Status ScanStoreImpl::WithSpareSpace(const std::function<absl::Status()>& work) {
+  const std::lock_guard lock(spare_mutex_);
+  absl::Status status = work();
+  if (absl::IsResourceExhausted(status)) {
+    folder_.spare.GiveUp();
+    status = work();
+  }
+  folder_.spare.Take();
+  return status;
+}
+
+absl::Status ScanStoreImpl::RemoveScan(const std::string& scan_id) {
   const std::lock_guard lock(scans_mutex_);
   const absl::StatusOr<StoredScan> scan = GetScan(scan_id);
   if (!scan.ok()) return scan.status();
   const std::string& digest = scan->payload_digest.value();
   const absl::StatusOr<std::vector<std::string>> sharing = folder_.catalog->ScansWithPayload(digest);
   if (!sharing.ok()) return sharing.status();
-  absl::Status status = folder_.catalog->RemoveScan(scan_id);
-  if (wire::ReasonOf(status) == v1::ERROR_REASON_STORAGE_FULL) {
-    folder_.spare.GiveUp();
-    status = folder_.catalog->RemoveScan(scan_id);
-  }
-  if (!status.ok()) return status;
+  if (absl::Status status = folder_.catalog->RemoveScan(scan_id); !status.ok()) return status;
   --num_scans_;
   if (sharing->size() == 1) {
     // A file that stays behind is removed at the next start.
     static_cast<void>(folder_.payloads.Remove(digest));
     space_.RemovePayload(scan->payload_bytes);
   }
-  folder_.spare.Take();
   const std::lock_guard damaged_lock(damaged_mutex_);
   damaged_.erase(scan_id);
   return absl::OkStatus();

@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -92,6 +93,10 @@ class ScanStore {
   // INVALID_FIELD "page_token": not one of ours.
   virtual absl::StatusOr<ScanPage> ListScans(int page_size, const std::string& page_token) = 0;
   virtual absl::Status DeleteScan(const std::string& scan_id) = 0;  // SCAN_NOT_FOUND
+  // For what else is kept on the same disk: runs `work`, a deletion for example, and where the disk is full
+  // (RESOURCE_EXHAUSTED) runs it again with the space that is set aside for deletions. One at a time; `work` must not
+  // delete scans.
+  virtual absl::Status WithSpareSpace(const std::function<absl::Status()>& work) = 0;
 
   virtual StoreStatistics Statistics() = 0;
   // Ids of scans found damaged at start-up or since.

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -48,6 +49,7 @@ class ScanStoreImpl final : public ScanStore {
   absl::StatusOr<std::string> ReadWholePayload(const std::string& scan_id) override;
   absl::StatusOr<ScanPage> ListScans(int page_size, const std::string& page_token) override;
   absl::Status DeleteScan(const std::string& scan_id) override;
+  absl::Status WithSpareSpace(const std::function<absl::Status()>& work) override;
   StoreStatistics Statistics() override;
   std::vector<std::string> DamagedScans() override;
 
@@ -57,6 +59,7 @@ class ScanStoreImpl final : public ScanStore {
 
  private:
   absl::StatusOr<UploadWriter::Committed> AddScan(Upload& upload, StoredScan scan, PayloadFiles::State state);
+  absl::Status RemoveScan(const std::string& scan_id);
   void LookOverScan(const StoredScan& scan, std::set<std::string>& payloads);
   absl::Status RemoveOrphans(const std::set<std::string>& payloads);
   bool IsDamaged(const std::string& scan_id) const;
@@ -68,6 +71,7 @@ class ScanStoreImpl final : public ScanStore {
   StoreSpace space_;
   UploadTable uploads_;
   std::atomic<uint64_t> num_scans_ = 0;
+  std::mutex spare_mutex_;  // taken first
   // Taken by whoever changes which scans and payload files there are: both go together. After an Upload's.
   std::mutex scans_mutex_;
   mutable std::mutex damaged_mutex_;

@@ -77,7 +77,9 @@ class TraversesImpl final : public Traverses {
   absl::StatusOr<EnginePointer> Find(const std::string& name);
   absl::StatusOr<EnginePointer> MakeEngine(const TraverseRecord& record);
   absl::StatusOr<v1::Traverse> AddTraverse(const v1::CreateTraverseRequest& request, const std::string& name);
+  absl::Status RemoveTraverse(const std::string& name);
   void RemoveDoomedScans();
+  void RemoveDoomedScan(const std::string& scan_id);
 
   const TraverseEnvironment environment_;
   const std::unique_ptr<Logger> silent_ = Logger::Silent();
@@ -244,14 +246,24 @@ absl::StatusOr<v1::GetTrajectoryResponse> TraversesImpl::GetTrajectory(const v1:
 }
 
 absl::Status TraversesImpl::Delete(const std::string& name) {
+  if (absl::Status status = RemoveTraverse(name); !status.ok()) return status;
+  engine_environment_.work.logger->Info("traverse_deleted", {{"traverse", name}});
+  // Takes a while, during which other traverses can be made and removed.
+  RemoveDoomedScans();
+  return absl::OkStatus();
+}
+
+absl::Status TraversesImpl::RemoveTraverse(const std::string& name) {
   const std::lock_guard lifecycle(lifecycle_mutex_);
   const absl::StatusOr<EnginePointer> engine = Find(name);
   if (!engine.ok()) return engine.status();
   const std::shared_ptr<TraverseWatchers> watchers = (*engine)->watchers();
-  (*engine)->Close(true);
+  (*engine)->Close(false);
   const TraverseRecord record = (*engine)->record();
-  if (absl::Status status = store_->RemoveTraverse(record.number); !status.ok()) {
+  const absl::Status status = environment_.store->WithSpareSpace([&] { return store_->RemoveTraverse(record.number); });
+  if (!status.ok()) {
     // It is still there; those who watched or streamed begin anew.
+    (*engine)->Close(true);
     if (absl::StatusOr<EnginePointer> again = MakeEngine(record); again.ok()) {
       const std::lock_guard lock(mutex_);
       engines_[name] = *std::move(again);
@@ -263,23 +275,26 @@ absl::Status TraversesImpl::Delete(const std::string& name) {
     const std::lock_guard lock(mutex_);
     engines_.erase(name);
   }
-  watchers->Wake();
-  engine_environment_.work.logger->Info("traverse_deleted", {{"traverse", name}});
-  RemoveDoomedScans();
+  watchers->Wake();  // streams, too, find that it is gone
   return absl::OkStatus();
 }
 
 // Those that stay behind, for a fault of the disk, are removed at the next start.
 void TraversesImpl::RemoveDoomedScans() {
-  const std::lock_guard uses(uses_mutex_);
   const absl::StatusOr<std::vector<std::string>> scans = store_->DoomedScans();
   if (!scans.ok()) return;
-  for (const std::string& id : *scans) {
-    const absl::Status deleted = environment_.store->DeleteScan(id);
-    if (!deleted.ok() && wire::ReasonOf(deleted) != v1::ERROR_REASON_SCAN_NOT_FOUND) continue;
-    environment_.cache->Erase(ScanName(id));
-    store_->Spare(id).IgnoreError();
-  }
+  for (const std::string& id : *scans) RemoveDoomedScan(id);
+}
+
+// Locks for one scan only, so that no stream waits for hundreds.
+void TraversesImpl::RemoveDoomedScan(const std::string& scan_id) {
+  const std::lock_guard uses(uses_mutex_);
+  const absl::StatusOr<bool> is_used = store_->IsScanUsed(scan_id);
+  if (!is_used.ok() || *is_used) return;  // wanted again meanwhile
+  const absl::Status deleted = environment_.store->DeleteScan(scan_id);
+  if (!deleted.ok() && wire::ReasonOf(deleted) != v1::ERROR_REASON_SCAN_NOT_FOUND) return;
+  environment_.cache->Erase(ScanName(scan_id));
+  store_->Spare(scan_id).IgnoreError();
 }
 
 absl::Status TraversesImpl::DeleteScan(const std::string& scan_id) {
@@ -381,8 +396,13 @@ uint64_t TraversesImpl::num_traverses() {
 
 absl::StatusOr<std::unique_ptr<Traverses>> Traverses::Open(const std::string& data_dir,
                                                            const TraverseEnvironment& environment) {
-  absl::StatusOr<std::unique_ptr<TraverseStore>> store = TraverseStore::Open(data_dir + kDatabaseName);
-  if (!store.ok()) return store.status();
+  absl::StatusOr<std::unique_ptr<TraverseStore>> store = absl::UnknownError("not opened");
+  // A full disk must not keep anybody from deleting.
+  const absl::Status opened = environment.store->WithSpareSpace([&] {
+    store = TraverseStore::Open(data_dir + kDatabaseName);
+    return store.status();
+  });
+  if (!opened.ok()) return opened;
   auto traverses = std::make_unique<TraversesImpl>(environment, *std::move(store));
   if (absl::Status status = traverses->Load(); !status.ok()) return status;
   return traverses;

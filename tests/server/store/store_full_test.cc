@@ -4,13 +4,14 @@
 // A store that is full: by its limits, and because the disk is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/mount.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
 
 #include "server/store/scan_store.h"
+#include "tests/server/store/small_disk.h"
 #include "tests/server/store/store_testing.h"
 
 namespace curvereg::server {
@@ -75,32 +76,15 @@ TEST(StoreLimitsTest, UploadsAreCounted) {
   EXPECT_THAT(store->BeginUpload(Describe("c", "x")), IsOk());
 }
 
-// A file system of its own, 4 MiB in memory, in this test's folder; gone with it.
 class FullDiskTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (mount("tmpfs", folder_.path().c_str(), "tmpfs", 0, "size=4m") != 0) {
-      GTEST_SKIP() << "cannot mount a small file system: " << std::strerror(errno);
-    }
-    is_mounted_ = true;
-    store_ = OpenStore(folder_.File("data"));
+    if (const std::string problem = disk_.Mount(); !problem.empty()) GTEST_SKIP() << problem;
+    store_ = OpenStore(disk_.File("data"));
     ASSERT_NE(store_, nullptr);
   }
-  void TearDown() override {
-    store_.reset();
-    if (is_mounted_) {
-      EXPECT_EQ(umount2(folder_.path().c_str(), MNT_DETACH), 0) << std::strerror(errno);
-    }
-  }
-  // Takes all that is free but `spare` bytes.
-  void FillUp(std::size_t spare) {
-    const std::size_t free = std::filesystem::space(folder_.path()).available;
-    std::ofstream(folder_.File("filler"), std::ios::binary) << std::string(free - spare, 'f');
-  }
-  void MakeRoom() { std::filesystem::remove(folder_.File("filler")); }
 
-  testing::TemporaryFolder folder_;
-  bool is_mounted_ = false;
+  testing::SmallDisk disk_{"4m"};
   std::unique_ptr<ScanStore> store_;
 };
 
@@ -109,16 +93,16 @@ TEST_F(FullDiskTest, AppendKeepsWhatWasCommitted) {
   const std::string_view bytes = payload;
   const auto writer = store_->BeginUpload(Describe("upload", payload)).value();
   ASSERT_THAT(writer->Append(0, bytes.substr(0, 300'000)), IsOk());
-  FillUp(100'000);
+  disk_.FillUp(100'000);
   for (int i = 0; i < 3; ++i) {
     EXPECT_THAT(writer->Append(300'000, bytes.substr(300'000)), HasReason(v1::ERROR_REASON_STORAGE_FULL));
     EXPECT_EQ(writer->committed_offset(), 300'000U);
-    EXPECT_EQ(std::filesystem::file_size(folder_.File("data/uploads/upload")), 300'000U);
+    EXPECT_EQ(std::filesystem::file_size(disk_.File("data/uploads/upload")), 300'000U);
   }
   EXPECT_THAT(store_->BeginUpload(Describe("other", payload)), HasReason(v1::ERROR_REASON_STORAGE_FULL));
   EXPECT_EQ(store_->GetUpload("upload")->committed_offset, 300'000U);
   EXPECT_EQ(store_->Statistics().stored_bytes, 300'000U);
-  MakeRoom();
+  disk_.MakeRoom();
   ASSERT_THAT(writer->Append(300'000, bytes.substr(300'000)), IsOk());
   const auto committed = writer->Commit(0, "");
   ASSERT_THAT(committed, IsOk());
@@ -131,7 +115,7 @@ TEST_F(FullDiskTest, CommitKeepsTheUpload) {
   const std::string id = Store(*store_, Describe("other", other), other)->scan.id;
   auto writer = store_->BeginUpload(Describe("upload", payload)).value();
   ASSERT_THAT(writer->Append(0, payload), IsOk());
-  FillUp(0);
+  disk_.FillUp(0);
   // As long as the log finds no room there is no scan; what is there stays and can be read.
   absl::StatusOr<UploadWriter::Committed> committed = writer->Commit(0, "");
   ASSERT_THAT(committed, HasReason(v1::ERROR_REASON_STORAGE_FULL));
@@ -140,11 +124,11 @@ TEST_F(FullDiskTest, CommitKeepsTheUpload) {
   EXPECT_EQ(store_->Statistics().num_scans, 1U);
   writer.reset();
   store_.reset();
-  store_ = OpenStore(folder_.File("data"));
+  store_ = OpenStore(disk_.File("data"));
   ASSERT_NE(store_, nullptr) << "a full disk must not keep a store from opening";
   EXPECT_EQ(store_->GetUpload("upload")->committed_offset, payload.size());
   EXPECT_EQ(store_->ReadWholePayload(id).value(), other);
-  MakeRoom();
+  disk_.MakeRoom();
   committed = store_->BeginUpload(Describe("upload", payload)).value()->Commit(0, "");
   ASSERT_THAT(committed, IsOk());
   EXPECT_FALSE(committed->already_stored);
@@ -155,9 +139,9 @@ TEST_F(FullDiskTest, CommitKeepsTheUpload) {
 TEST_F(FullDiskTest, DeletingMakesRoom) {
   const std::string payload = RandomBytes(500'000, 1);
   const std::string id = Store(*store_, Describe("upload", payload), payload)->scan.id;
-  FillUp(0);
+  disk_.FillUp(0);
   ASSERT_THAT(store_->DeleteScan(id), IsOk());
-  EXPECT_GE(std::filesystem::space(folder_.path()).available, 400'000U);
+  EXPECT_GE(std::filesystem::space(disk_.path()).available, 400'000U);
   EXPECT_EQ(store_->Statistics().num_scans, 0U);
 }
 
@@ -165,10 +149,10 @@ TEST_F(FullDiskTest, DiscardingMakesRoom) {
   const std::string payload = RandomBytes(500'000, 1);
   auto writer = store_->BeginUpload(Describe("upload", payload)).value();
   ASSERT_THAT(writer->Append(0, payload), IsOk());
-  FillUp(0);
+  disk_.FillUp(0);
   ASSERT_THAT(writer->Discard(), IsOk());
   writer.reset();
-  EXPECT_GE(std::filesystem::space(folder_.path()).available, 400'000U);
+  EXPECT_GE(std::filesystem::space(disk_.path()).available, 400'000U);
   EXPECT_EQ(store_->Statistics().num_uploads, 0U);
 }
 

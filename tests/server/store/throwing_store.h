@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -40,6 +41,9 @@ class ThrowingStore final : public ScanStore {
     return store_.ListScans(page_size, page_token);
   }
   absl::Status DeleteScan(const std::string& scan_id) override { return store_.DeleteScan(scan_id); }
+  absl::Status WithSpareSpace(const std::function<absl::Status()>& work) override {
+    return store_.WithSpareSpace(work);
+  }
   StoreStatistics Statistics() override { return store_.Statistics(); }
   std::vector<std::string> DamagedScans() override { return store_.DamagedScans(); }
 

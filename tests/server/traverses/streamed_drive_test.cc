@@ -76,6 +76,19 @@ std::string DownloadMap(v1::TraverseService::Stub& stub, const v1::DownloadMapRe
   return bytes;
 }
 
+TEST_F(StreamedDrive, EndsWhenItsTraverseIsDeleted) {
+  StreamClient client(*stub_);
+  client.Begin();
+  SendScans(client, 0, 1);
+  ASSERT_TRUE(client.ReceiveResult(0));
+  grpc::ClientContext context;
+  v1::DeleteTraverseRequest request;
+  request.set_name(FakeTraverses::kName);
+  v1::DeleteTraverseResponse response;
+  EXPECT_THAT(wire::FromGrpcStatus(stub_->DeleteTraverse(&context, request, &response)), IsOk());
+  EXPECT_EQ(ReasonText(client.End()), "TRAVERSE_NOT_FOUND");
+}
+
 TEST_F(StreamedDrive, IsTrackedThroughARestartOfTheServer) {
   {
     StreamClient client(*stub_);

@@ -60,8 +60,10 @@ inline bool BecomesTrue(const std::function<bool()>& condition) {
 
 class TraverseWorld {
  public:
-  explicit TraverseWorld(const LimitsConfig& limits = {.max_threads_per_registration = 2})
-      : limits_(limits), store_(OpenStore(folder_.path())) {
+  // `data_dir`: empty: a temporary folder.
+  explicit TraverseWorld(const LimitsConfig& limits = {.max_threads_per_registration = 2},
+                         const std::string& data_dir = "")
+      : limits_(limits), data_dir_(data_dir.empty() ? folder_.path() : data_dir), store_(OpenStore(data_dir_)) {
     Reopen();
   }
 
@@ -71,13 +73,13 @@ class TraverseWorld {
     pool_ = std::make_unique<WorkerPool>(WorkerPoolOptions{
         .num_workers = num_workers, .max_queue_length = max_queue_length, .max_queue_per_client = 16});
     cache_ = std::make_unique<PreparedScanCache>(uint64_t{256} << 20);
-    auto traverses = Traverses::Open(folder_.path(), {.limits = limits_,
-                                                      .store = store_.get(),
-                                                      .memory = &memory_,
-                                                      .cache = cache_.get(),
-                                                      .pool = pool_.get(),
-                                                      .disk_pool = pool_.get(),
-                                                      .metrics = &metrics_});
+    auto traverses = Traverses::Open(data_dir_, {.limits = limits_,
+                                                 .store = store_.get(),
+                                                 .memory = &memory_,
+                                                 .cache = cache_.get(),
+                                                 .pool = pool_.get(),
+                                                 .disk_pool = pool_.get(),
+                                                 .metrics = &metrics_});
     ASSERT_THAT(traverses, testing::IsOk());
     traverses_ = *std::move(traverses);
   }
@@ -150,6 +152,7 @@ class TraverseWorld {
  private:
   LimitsConfig limits_;
   testing::TemporaryFolder folder_;
+  const std::string data_dir_;
   std::unique_ptr<ScanStore> store_;
   MemoryBudget memory_{uint64_t{2} << 30};
   Metrics metrics_;

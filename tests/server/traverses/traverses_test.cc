@@ -9,6 +9,7 @@
 #include <future>
 #include <latch>
 
+#include "tests/server/store/small_disk.h"
 #include "tests/server/traverses/traverse_world.h"
 
 namespace curvereg::server {
@@ -340,8 +341,8 @@ TEST(TraversesTest, DeletionTakesScansThatNothingElseUses) {
   std::atomic<bool> is_woken = false;
   const auto subscription = world->Subscribe(name, [&] { is_woken = true; });
   ASSERT_THAT(world->Delete(name), IsOk());
-  EXPECT_TRUE(owner.stop_requested());
   EXPECT_TRUE(is_woken);
+  EXPECT_FALSE(owner.stop_requested()) << "its stream is not replaced, it finds the traverse gone";
   EXPECT_THAT(world->Get(name), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
   EXPECT_THAT(world->Delete(name), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
   EXPECT_THAT(world.store().GetScan(own), HasReason(v1::ERROR_REASON_SCAN_NOT_FOUND));
@@ -352,6 +353,41 @@ TEST(TraversesTest, DeletionTakesScansThatNothingElseUses) {
   EXPECT_TRUE(world.Poses(name).empty());
   EXPECT_THAT(world->Events(name, 0, 10),
               ::testing::Property(&absl::StatusOr<std::vector<v1::WatchTraverseResponse>>::ok, true));
+}
+
+// A scan cannot be deleted while a traverse uses it: then the traverse must be deletable.
+TEST(TraversesTest, DeletionNeedsNoRoomOnTheDisk) {
+  testing::SmallDisk disk("24m");
+  if (const std::string problem = disk.Mount(); !problem.empty()) GTEST_SKIP() << problem;
+  TraverseWorld world({.max_threads_per_registration = 2}, disk.File("data"));
+  const std::string name = world.Create("gone");
+  world.AddDrive(world.Begin(name), 0, 2);
+  ASSERT_TRUE(world.WaitForScans(name, 2));
+  const std::string scan = world.Keep(DriveCloud(0));
+  disk.FillUp(0);
+  world.Reopen();
+  ASSERT_THAT(world->Delete(name), IsOk());
+  EXPECT_THAT(world.store().GetScan(scan), HasReason(v1::ERROR_REASON_SCAN_NOT_FOUND));
+  EXPECT_EQ(world->num_traverses(), 0U);
+}
+
+TEST(TraversesTest, StaysWhenTheDiskHasNoRoomToDeleteIt) {
+  testing::SmallDisk disk("24m");
+  if (const std::string problem = disk.Mount(); !problem.empty()) GTEST_SKIP() << problem;
+  TraverseWorld world({.max_threads_per_registration = 2}, disk.File("data"));
+  const std::string name = world.Create("kept");
+  const std::stop_source owner;
+  const auto ticket = world->BeginStream(name, owner);
+  world.AddDrive(*ticket, 0, 1);
+  ASSERT_TRUE(world.WaitForScans(name, 1));
+  std::filesystem::remove(disk.File("data/spare"));
+  disk.FillUp(0);
+  EXPECT_THAT(world->Delete(name), HasReason(v1::ERROR_REASON_STORAGE_FULL));
+  EXPECT_TRUE(owner.stop_requested()) << "its stream begins anew";
+  disk.MakeRoom();
+  world.AddDrive(world.Begin(name), 1, 2);
+  EXPECT_TRUE(world.WaitForScans(name, 2));
+  EXPECT_THAT(world->Delete(name), IsOk());
 }
 
 absl::StatusOr<v1::OptimizeTraverseResponse> Optimized(TraverseWorld& world, const std::string& name) {
