@@ -5,6 +5,7 @@
 #ifndef CURVEREG_FUZZ_MEMORY_SCAN_STORE_H_
 #define CURVEREG_FUZZ_MEMORY_SCAN_STORE_H_
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -69,6 +70,7 @@ class MemoryScanStore final : public ScanStore {
     return ScanPage();
   }
   absl::Status DeleteScan(const std::string&) override { return NoScan(); }
+  absl::Status WithSpareSpace(const std::function<absl::Status()>& work) override { return work(); }
   StoreStatistics Statistics() override { return {}; }
   std::vector<std::string> DamagedScans() override { return {}; }
 
