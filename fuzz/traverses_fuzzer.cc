@@ -20,6 +20,7 @@
 #include "server/traverses/traverse_conversion.h"
 #include "tests/server/traverses/fake_traverses.h"
 #include "wire/digest.h"
+#include "wire/trajectory_conversion.h"
 
 namespace curvereg::server {
 namespace {
@@ -82,7 +83,7 @@ void CheckMessage(uint8_t kind, std::string_view bytes) {
         CheckError(TraverseIdOf(request.traverse_id(), "traverse_id").status());
       });
     default:
-      return Decode<v1::TrajectoryPose>(bytes, [](const auto& pose) { CheckError(FromWire(pose).status()); });
+      return Decode<v1::TrajectoryPose>(bytes, [](const auto& pose) { CheckError(wire::FromWire(pose).status()); });
   }
 }
 
