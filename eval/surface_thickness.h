@@ -29,7 +29,7 @@ class SurfaceThickness {
   struct Result {
     double median_m = 0.0;  // over those cells, of the standard deviation across the surface; NaN without cells
     double p90_m = 0.0;
-    int64_t num_cells = 0;  // with at least two scans of at least min_points each
+    int64_t num_cells = 0;  // with at least two scans of at least five points each
   };
   Result Measure() const;
 

@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t kFirstSlots = 1024;
 
+// After the table has doubled it is three eighths full.
+static_assert(3 * (CellStore::kBytesPerCell - sizeof(CellSum)) >= 8 * sizeof(uint32_t));
+
 bool HasLessKey(const CellSum& a, const CellSum& b) { return a.key < b.key; }
 
 }  // namespace

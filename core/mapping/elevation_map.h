@@ -28,9 +28,9 @@ struct ElevationMap {
   std::vector<float> heights;  // [m], row by row from the north; NaN where nothing was seen
 };
 
-// max_memory_bytes holds the cells in work and the columns (some 20 bytes each), half of it each at most; then the
-// columns and the grid. Errors as BuildPointMap; RESOURCE_EXHAUSTED: the columns, or the grid about all points, do not
-// fit.
+// max_memory_bytes holds the cells in work and the columns (16 bytes each, in squares of 256), half of it each at most;
+// then the columns and the grid. Errors as BuildPointMap; RESOURCE_EXHAUSTED: the columns, or the grid about all
+// points, do not fit.
 absl::StatusOr<ElevationMap> BuildElevationMap(const MapInput& input, const PointMapOptions& options,
                                                const Stop& stop = {});
 

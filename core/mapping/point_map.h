@@ -8,7 +8,7 @@
 #define CURVEREG_CORE_MAPPING_POINT_MAP_H_
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
@@ -40,8 +40,9 @@ struct PointMapOptions {
 // Gives the map's points (mean of each cell's points, map frame [m]) piece by piece, in an order that depends on the
 // input and cell size alone. Points that are not finite, or 2^20 cells (105 km at 0.1 m) and more from the middle of
 // all sensors along an axis, are left out. Scans are asked for one at a time, in order: once where the cells fit into
-// max_memory_bytes (40 bytes each), else again for each part of the map; once more with remove_seen_through.
-// Errors: INVALID_ARGUMENT (options, poses), those of the loader and of `sink`, CANCELLED, DEADLINE_EXCEEDED.
+// max_memory_bytes (36 bytes each, 40 with remove_seen_through), else again for each part of the map; once more with
+// remove_seen_through. Errors: INVALID_ARGUMENT (options, poses), those of the loader and of `sink`, CANCELLED,
+// DEADLINE_EXCEEDED.
 using PointSink = std::function<absl::Status(std::span<const Eigen::Vector3f> points)>;
 absl::Status BuildPointMap(const MapInput& input, const PointMapOptions& options, const PointSink& sink,
                            const Stop& stop = {});

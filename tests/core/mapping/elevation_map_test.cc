@@ -158,7 +158,9 @@ TEST(WriteEsriAsciiTest, IsReadBack) {
       const float written = map.heights[static_cast<std::size_t>(row * map.num_columns + column)];
       const float read = grid->heights(map.num_rows - 1 - row, column);
       EXPECT_EQ(std::isnan(read), std::isnan(written));
-      if (!std::isnan(written)) EXPECT_NEAR(static_cast<double>(read) + mean, static_cast<double>(written), 1e-4);
+      if (!std::isnan(written)) {
+        EXPECT_NEAR(static_cast<double>(read) + mean, static_cast<double>(written), 1e-4);
+      }
     }
   }
 }
