@@ -58,23 +58,28 @@ std::string OptionsDigest(const RegistrationOptions& options) {
   return absl::StrFormat("%016x", XXH3_64bits(text.data(), text.size()));
 }
 
+bool IsPrepared(Method method) { return method == Method::kCurvelet || method == Method::kIcp; }
+
 absl::StatusOr<RegistrationResult> RunPreparedMethod(const PreparedScan& source, const PreparedScan& target,
                                                      const RegistrationOptions& options, const Stop& stop) {
   if (options.method == Method::kIcp) return RegisterIcp(source, target, options, stop);
   return RegisterCurvelet(source, target, options, stop);
 }
 
-absl::StatusOr<RegistrationResult> PrepareAndRun(const Scan& source, const Scan& target,
+// Unless it was done.
+void DescribeScans(const Scan& source, const Scan& target, RegistrationResult& result) {
+  if (!result.source_digest.empty()) return;
+  result.source_digest = ScanDigest(source);
+  result.target_digest = ScanDigest(target);
+  result.evidence.num_source_points = CountFinitePoints(source);
+  result.evidence.num_target_points = CountFinitePoints(target);
+}
+
+absl::StatusOr<RegistrationResult> PrepareAndRun(const ScanPreparation& source, const ScanPreparation& target,
                                                  const RegistrationOptions& options, const Stop& stop) {
   const Clock::time_point start = Clock::now();
-  PreparationOptions preparation;
-  preparation.limits = options.limits;
-  std::array<absl::StatusOr<std::unique_ptr<const PreparedScan>>, 2> prepared = {nullptr, nullptr};
-  ParallelFor(2, [&](int i) {
-    // Not owning: both scans outlive this call.
-    std::shared_ptr<const Scan> scan(std::shared_ptr<void>(), i == 0 ? &source : &target);
-    prepared[static_cast<size_t>(i)] = PreparedScan::Create(std::move(scan), preparation, stop);
-  });
+  std::array<absl::StatusOr<std::shared_ptr<const PreparedScan>>, 2> prepared = {nullptr, nullptr};
+  ParallelFor(2, [&](int i) { prepared[static_cast<size_t>(i)] = (i == 0 ? source : target)(stop); });
   for (const auto& scan : prepared) {
     if (scan.ok()) continue;
     if (!absl::IsDeadlineExceeded(scan.status())) return scan.status();
@@ -84,8 +89,19 @@ absl::StatusOr<RegistrationResult> PrepareAndRun(const Scan& source, const Scan&
   }
   const double preparation_s = std::chrono::duration<double>(Clock::now() - start).count();
   absl::StatusOr<RegistrationResult> result = RunPreparedMethod(**prepared[0], **prepared[1], options, stop);
-  if (result.ok()) result->stage_times.insert(result->stage_times.begin(), StageTime{"preparation", preparation_s});
+  if (!result.ok()) return result;
+  result->stage_times.insert(result->stage_times.begin(), StageTime{"preparation", preparation_s});
+  DescribeScans((*prepared[0])->scan(), (*prepared[1])->scan(), *result);
   return result;
+}
+
+// `scan` outlives what comes back.
+ScanPreparation PreparationOf(const Scan& scan, const RegistrationOptions& options) {
+  PreparationOptions preparation;
+  preparation.limits = options.limits;
+  return [&scan, preparation](const Stop& stop) {
+    return PreparedScan::Create(std::shared_ptr<const Scan>(std::shared_ptr<void>(), &scan), preparation, stop);
+  };
 }
 
 absl::StatusOr<RegistrationResult> RunMethod(const Scan& source, const Scan& target, const RegistrationOptions& options,
@@ -93,7 +109,7 @@ absl::StatusOr<RegistrationResult> RunMethod(const Scan& source, const Scan& tar
   switch (options.method) {
     case Method::kCurvelet:
     case Method::kIcp:
-      return PrepareAndRun(source, target, options, stop);
+      return PrepareAndRun(PreparationOf(source, options), PreparationOf(target, options), options, stop);
     case Method::kPaper:
     case Method::kFpfhSacIa:
     case Method::kHarris3dFpfh:
@@ -108,8 +124,7 @@ absl::StatusOr<RegistrationResult> RunMethod(const Scan& source, const Scan& tar
 
 // Runs `method` within the thread limit and adds what every result carries.
 template <typename Run>
-absl::StatusOr<RegistrationResult> RunWithin(const RegistrationOptions& options, const Scan& source, const Scan& target,
-                                             const Run& run) {
+absl::StatusOr<RegistrationResult> RunWithin(const RegistrationOptions& options, const Run& run) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
   const Clock::time_point start = Clock::now();
   const Stop stop = StopOf(options, start);
@@ -118,11 +133,7 @@ absl::StatusOr<RegistrationResult> RunWithin(const RegistrationOptions& options,
   if (!result.ok()) return result;
   result->seed = options.seed;
   result->options_digest = OptionsDigest(options);
-  result->source_digest = ScanDigest(source);
-  result->target_digest = ScanDigest(target);
   result->build_id = BuildId();
-  result->evidence.num_source_points = CountFinitePoints(source);
-  result->evidence.num_target_points = CountFinitePoints(target);
   result->total_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return result;
 }
@@ -139,15 +150,6 @@ Stop StopOf(const RegistrationOptions& options, Clock::time_point start) {
   return stop;
 }
 
-RegistrationResult OutOfTimeResult(const RegistrationOptions& options) {
-  RegistrationResult result;
-  result.verdict.reasons = {Reason::kDeadline};
-  result.seed = options.seed;
-  result.options_digest = OptionsDigest(options);
-  result.build_id = BuildId();
-  return result;
-}
-
 bool IsAvailable(Method method) {
   return (method != Method::kFpfhSacIa && method != Method::kHarris3dFpfh) || HasBaselines();
 }
@@ -156,16 +158,29 @@ std::string BuildId() { return absl::StrCat("curvereg ", CURVEREG_VERSION, " (",
 
 absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan& target,
                                                  const RegistrationOptions& options) {
-  return RunWithin(options, source, target, [&](const Stop& stop) { return RunMethod(source, target, options, stop); });
+  return RunWithin(options, [&](const Stop& stop) {
+    absl::StatusOr<RegistrationResult> result = RunMethod(source, target, options, stop);
+    if (result.ok()) DescribeScans(source, target, *result);
+    return result;
+  });
+}
+
+absl::StatusOr<RegistrationResult> PrepareAndRegister(const ScanPreparation& source, const ScanPreparation& target,
+                                                      const RegistrationOptions& options) {
+  if (!IsPrepared(options.method)) return absl::InvalidArgumentError("the method prepares nothing");
+  return RunWithin(options, [&](const Stop& stop) { return PrepareAndRun(source, target, options, stop); });
 }
 
 absl::StatusOr<RegistrationResult> RegisterPreparedScans(const PreparedScan& source, const PreparedScan& target,
                                                          const RegistrationOptions& options) {
-  if (options.method != Method::kCurvelet && options.method != Method::kIcp) {
+  if (!IsPrepared(options.method)) {
     return RegisterScans(source.scan(), target.scan(), options);  // methods without a preparation
   }
-  return RunWithin(options, source.scan(), target.scan(),
-                   [&](const Stop& stop) { return RunPreparedMethod(source, target, options, stop); });
+  return RunWithin(options, [&](const Stop& stop) {
+    absl::StatusOr<RegistrationResult> result = RunPreparedMethod(source, target, options, stop);
+    if (result.ok()) DescribeScans(source.scan(), target.scan(), *result);
+    return result;
+  });
 }
 
 }  // namespace curvereg

@@ -7,6 +7,8 @@
 #define CURVEREG_CORE_REGISTER_SCANS_H_
 
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -28,13 +30,16 @@ absl::StatusOr<RegistrationResult> RegisterScans(const Scan& source, const Scan&
 absl::StatusOr<RegistrationResult> RegisterPreparedScans(const PreparedScan& source, const PreparedScan& target,
                                                          const RegistrationOptions& options = {});
 
+// The same for scans that these two prepare, at once and within the options' limits on threads and time; a stage of its
+// own in the result. Out of time there: no pose and Reason::kDeadline, without counts and digests of the scans. Errors
+// of the two, too; INVALID_ARGUMENT: the method prepares nothing (all but curvelet and icp).
+using ScanPreparation = std::function<absl::StatusOr<std::shared_ptr<const PreparedScan>>(const Stop& stop)>;
+absl::StatusOr<RegistrationResult> PrepareAndRegister(const ScanPreparation& source, const ScanPreparation& target,
+                                                      const RegistrationOptions& options = {});
+
 // When a registration that begins at `start` must end: the earlier of the options' deadline and time budget, and their
 // cancellation.
 Stop StopOf(const RegistrationOptions& options, std::chrono::steady_clock::time_point start);
-
-// What RegisterScans answers when time runs out before it has looked at the scans: no pose, Reason::kDeadline. Counts
-// and digests of the scans are left to the caller.
-RegistrationResult OutOfTimeResult(const RegistrationOptions& options);
 
 // False: RegisterScans answers UNIMPLEMENTED, for this build leaves the method out.
 bool IsAvailable(Method method);

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/parallel.h"
 #include "core/register_scans.h"
 #include "wire/conversion.h"
 #include "wire/error.h"
@@ -86,23 +85,11 @@ absl::StatusOr<RegistrationResult> RegisterCall::RegisterDecoded() const {
 }
 
 absl::StatusOr<RegistrationResult> RegisterCall::RegisterPrepared() const {
-  const Clock::time_point start = Clock::now();
-  const Stop stop{options_.cancellation, options_.deadline};
-  std::array<absl::StatusOr<std::shared_ptr<const PreparedScan>>, 2> prepared = {nullptr, nullptr};
-  WithThreadLimit(options_.num_threads, [&] {
-    ParallelFor(2, [&](int i) { prepared[static_cast<size_t>(i)] = (i == 0 ? source_ : target_)->Prepare(stop); });
-  });
-  for (const auto& scan : prepared) {
-    if (absl::IsDeadlineExceeded(scan.status())) return OutOfTimeResult(options_);
-    if (!scan.ok()) return scan.status();
-  }
-  const double preparation_s = std::chrono::duration<double>(Clock::now() - start).count();
-  absl::StatusOr<RegistrationResult> result = RegisterPreparedScans(**prepared[0], **prepared[1], options_);
+  absl::StatusOr<RegistrationResult> result =
+      PrepareAndRegister([&](const Stop& stop) { return source_->Prepare(stop); },
+                         [&](const Stop& stop) { return target_->Prepare(stop); }, options_);
   source_->UpdateCache();
   target_->UpdateCache();
-  if (!result.ok()) return result;
-  result->stage_times.insert(result->stage_times.begin(), StageTime{"preparation", preparation_s});
-  result->total_seconds += preparation_s;
   return result;
 }
 

@@ -5,7 +5,6 @@
 #ifndef CURVEREG_SERVER_REGISTRATION_REGISTER_CALL_H_
 #define CURVEREG_SERVER_REGISTRATION_REGISTER_CALL_H_
 
-#include <array>
 #include <chrono>
 #include <optional>
 

@@ -294,16 +294,43 @@ TEST(RegisterScansTest, ADeadlineOfTheCallEndsTheSearchAndLeavesTheDigestAlone) 
   EXPECT_THAT(late->verdict.reasons, Contains(Reason::kDeadline));
   EXPECT_FALSE(late->has_pose);
   EXPECT_EQ(late->options_digest, free->options_digest);
-  const RegistrationResult out_of_time = OutOfTimeResult(options);
-  EXPECT_EQ(out_of_time.options_digest, free->options_digest);
-  EXPECT_EQ(out_of_time.build_id, free->build_id);
-  EXPECT_EQ(out_of_time.seed, free->seed);
+  EXPECT_EQ(late->source_digest, free->source_digest);
+  EXPECT_EQ(late->evidence.num_target_points, free->evidence.num_target_points);
 
   options.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
   options.time_budget_s = 1e-9;  // the nearer of the two counts
   const auto short_of_budget = RegisterScans(NearPair().source, NearPair().target, options);
   ASSERT_THAT(short_of_budget, IsOk());
   EXPECT_THAT(short_of_budget->verdict.reasons, Contains(Reason::kDeadline));
+}
+
+ScanPreparation PreparationOf(const Scan& scan) {
+  return [&](const Stop& stop) { return PreparedScan::Create(std::make_shared<const Scan>(scan), {}, stop); };
+}
+
+TEST(RegisterScansTest, PreparesByOtherHandsAndAnswersTheSame) {
+  RegistrationOptions options;
+  const auto direct = RegisterScans(NearPair().source, NearPair().target, options);
+  ASSERT_THAT(direct, IsOk());
+  const ScanPreparation source = PreparationOf(NearPair().source);
+  const auto prepared = PrepareAndRegister(source, PreparationOf(NearPair().target), options);
+  ASSERT_THAT(prepared, IsOk());
+  EXPECT_EQ(prepared->T_target_source.matrix(), direct->T_target_source.matrix());
+  EXPECT_EQ(prepared->target_digest, direct->target_digest);
+  EXPECT_EQ(prepared->evidence.num_source_points, direct->evidence.num_source_points);
+  EXPECT_EQ(prepared->stage_times.front().stage, "preparation");
+  EXPECT_GE(prepared->total_seconds, prepared->stage_times.front().seconds);
+
+  const ScanPreparation fails = [](const Stop&) { return absl::NotFoundError("no such scan"); };
+  EXPECT_THAT(PrepareAndRegister(source, fails, options), HasCode(absl::StatusCode::kNotFound));
+  const ScanPreparation slow = [](const Stop&) { return absl::DeadlineExceededError("out of time"); };
+  const auto late = PrepareAndRegister(source, slow, options);
+  ASSERT_THAT(late, IsOk());
+  EXPECT_EQ(late->verdict.reasons, std::vector<Reason>{Reason::kDeadline});
+  EXPECT_EQ(late->options_digest, direct->options_digest);
+  EXPECT_EQ(late->build_id, direct->build_id);
+  options.method = Method::kPaper;
+  EXPECT_THAT(PrepareAndRegister(source, source, options), HasCode(absl::StatusCode::kInvalidArgument));
 }
 
 TEST(RegisterScansTest, TellsWhichMethodsThisBuildHas) {
