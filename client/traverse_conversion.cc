@@ -193,8 +193,12 @@ absl::StatusOr<TraverseEvent> FromWire(const v1::WatchTraverseResponse& message)
 }
 
 OptimizationOutcome FromWire(const v1::OptimizeTraverseResponse& response) {
-  return {response.version(), static_cast<int>(response.link_count()), static_cast<int>(response.loop_closure_count()),
-          static_cast<int>(response.rejected_link_count()), response.max_translation_change_m()};
+  return {response.version(),
+          static_cast<int>(response.link_count()),
+          static_cast<int>(response.loop_closure_count()),
+          static_cast<int>(response.rejected_link_count()),
+          response.max_translation_change_m(),
+          !response.unconverged()};
 }
 
 absl::StatusOr<EncodedScan> Encode(const StreamedScan& scan, const TransferEncoding& encoding) {

@@ -90,6 +90,7 @@ struct OptimizationOutcome {
   int num_loop_closures = 0;
   int num_rejected_links = 0;
   double max_translation_change_m = 0.0;
+  bool converged = true;  // false: the poses still moved when the steps ran out
 };
 
 }  // namespace curvereg

@@ -164,13 +164,15 @@ ordered_json OptimizationJson(const OptimizationOutcome& outcome) {
           {"num_links", outcome.num_links},
           {"num_loop_closures", outcome.num_loop_closures},
           {"num_rejected_links", outcome.num_rejected_links},
-          {"max_translation_change_m", outcome.max_translation_change_m}};
+          {"max_translation_change_m", outcome.max_translation_change_m},
+          {"converged", outcome.converged}};
 }
 
 std::string OptimizationText(const OptimizationOutcome& outcome) {
   return absl::StrFormat(
-      "optimised with %d links, %d loop closures found, %d links left out as wrong; poses moved by up to %.4f m\n",
-      outcome.num_links, outcome.num_loop_closures, outcome.num_rejected_links, outcome.max_translation_change_m);
+      "optimised with %d links, %d loop closures found, %d links left out as wrong; poses moved by up to %.4f m%s\n",
+      outcome.num_links, outcome.num_loop_closures, outcome.num_rejected_links, outcome.max_translation_change_m,
+      outcome.converged ? "" : " and have not settled: optimise again");
 }
 
 std::optional<Eigen::Matrix3d> PositionCovariance(const TrajectoryPose& pose) {

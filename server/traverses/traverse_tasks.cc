@@ -295,6 +295,7 @@ absl::StatusOr<v1::OptimizeTraverseResponse> TraverseEngine::OptimizeNow(const R
   response.set_link_count(static_cast<uint32_t>(revision->num_links));
   response.set_rejected_link_count(static_cast<uint32_t>(revision->num_rejected_links));
   response.set_max_translation_change_m(revision->max_translation_change_m);
+  response.set_unconverged(!revision->converged);
   return response;
 }
 

@@ -45,6 +45,24 @@ void AddEvents(TraverseMemory& memory, int count) {
   }
 }
 
+TEST(TraverseConversionTest, ReadsWhatOptimisationDid) {
+  v1::OptimizeTraverseResponse response;
+  response.set_version(3);
+  response.set_link_count(20);
+  response.set_loop_closure_count(4);
+  response.set_rejected_link_count(2);
+  response.set_max_translation_change_m(0.5);
+  EXPECT_TRUE(FromWire(response).converged);
+  response.set_unconverged(true);
+  const OptimizationOutcome outcome = FromWire(response);
+  EXPECT_EQ(outcome.version, 3U);
+  EXPECT_EQ(outcome.num_links, 20);
+  EXPECT_EQ(outcome.num_loop_closures, 4);
+  EXPECT_EQ(outcome.num_rejected_links, 2);
+  EXPECT_EQ(outcome.max_translation_change_m, 0.5);
+  EXPECT_FALSE(outcome.converged);
+}
+
 TEST(TraverseClientTest, WatchesEveryEventOnceOverCutStreams) {
   TraverseMemory memory;
   memory.cut_after_sent = 4;

@@ -54,6 +54,15 @@ TEST(TraverseTextTest, ARowTellsTheVerdict) {
   EXPECT_EQ(ScanResultHeader().find("verdict"), row.find("prior"));
 }
 
+TEST(TraverseTextTest, TellsWhenAnOptimisationDidNotConverge) {
+  OptimizationOutcome outcome;
+  EXPECT_EQ(OptimizationText(outcome).find("settled"), std::string::npos);
+  EXPECT_EQ(OptimizationJson(outcome)["converged"], true);
+  outcome.converged = false;
+  EXPECT_THAT(OptimizationText(outcome), HasSubstr("not settled"));
+  EXPECT_EQ(OptimizationJson(outcome)["converged"], false);
+}
+
 TEST(TraverseTextTest, JsonHasNullWhereNothingIsKnown) {
   TraverseEvent event;
   event.number = 7;

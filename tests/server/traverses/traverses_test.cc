@@ -407,6 +407,7 @@ TEST(TraversesTest, OptimizesWithAllLinksThatThereAreToFind) {
   const auto response = Optimized(world, name);
   ASSERT_THAT(response, IsOk());
   EXPECT_EQ(response->link_count(), 6U) << "every scan with every other: the drive is short";
+  EXPECT_FALSE(response->unconverged());
   EXPECT_EQ(response->version(), world->Get(name)->trajectory_version());
   const auto source = world->SourceOfMap(name, 0);
   ASSERT_THAT(source, IsOk());
