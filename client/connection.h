@@ -29,6 +29,7 @@ class Connection {
   static std::unique_ptr<Connection> Over(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options);
 
   const ClientOptions& options() const { return options_; }
+  const std::string& target() const { return target_; }  // empty: the channel was given
   std::shared_ptr<grpc::Channel> channel() const;
 
   // Until there is a connection. A channel that stays without one for long is made anew: name resolution and sockets

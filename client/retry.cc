@@ -101,19 +101,36 @@ void Retrier::NoteProgress() {
   deadline_ = Clock::now() + options_.timeout;
 }
 
+absl::Status Retrier::InOurWords(const absl::Status& error) const {
+  if (error.ok() || wire::ErrorInfoOf(error).has_value()) return error;
+  const std::string server = connection_.target().empty() ? "the server" : connection_.target();
+  std::string text;
+  if (absl::IsDeadlineExceeded(error)) {
+    const double seconds = std::chrono::duration<double>(options_.timeout).count();
+    text = absl::StrCat("no answer from ", server, " within ", seconds, " s");
+  } else if (absl::IsUnavailable(error)) {
+    text = absl::StrCat("lost ", server, ": ", error.message());
+  } else {
+    return error;
+  }
+  absl::Status ours(error.code(), text);
+  error.ForEachPayload([&ours](absl::string_view type, const absl::Cord& payload) { ours.SetPayload(type, payload); });
+  return ours;
+}
+
 absl::Status Retrier::Run(const std::function<absl::Status(const std::shared_ptr<grpc::Channel>&)>& attempt) {
   absl::Status last;
   while (true) {
     const absl::Status ready = connection_.AwaitReady(Now());
     // What the server said last tells more than "no connection".
-    if (!ready.ok()) return last.ok() || absl::IsCancelled(ready) ? ready : last;
+    if (!ready.ok()) return last.ok() || absl::IsCancelled(ready) ? ready : InOurWords(last);
     ++num_attempts_;
     last = attempt(connection_.channel());
-    if (last.ok() || !options_.may_retry(last)) return last;
+    if (last.ok() || !options_.may_retry(last)) return InOurWords(last);
     const std::optional<milliseconds> delay = backoff_.NextDelay(last, connection_.Jitter());
-    if (!delay) return last;
+    if (!delay) return InOurWords(last);
     const absl::Status slept = SleepFor(*delay, Now());
-    if (!slept.ok()) return absl::IsCancelled(slept) ? slept : last;
+    if (!slept.ok()) return absl::IsCancelled(slept) ? slept : InOurWords(last);
   }
 }
 

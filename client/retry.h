@@ -62,7 +62,8 @@ class Retrier {
   };
   Retrier(Connection& connection, const Options& options);
 
-  // The last error when attempts or time are used up. `attempt` ends by Now()'s deadline and cancellation.
+  // The last error when attempts or time are used up, in our words where gRPC's say little. `attempt` ends by Now()'s
+  // deadline and cancellation.
   absl::Status Run(const std::function<absl::Status(const std::shared_ptr<grpc::Channel>&)>& attempt);
   // Starts counting attempts and time again. From within an attempt.
   void NoteProgress();
@@ -70,6 +71,8 @@ class Retrier {
   int num_attempts() const { return num_attempts_; }
 
  private:
+  absl::Status InOurWords(const absl::Status& error) const;
+
   Connection& connection_;
   Options options_;
   Backoff backoff_;

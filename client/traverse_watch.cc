@@ -8,6 +8,7 @@
 #include "client/retry.h"
 #include "client/traverse_conversion.h"
 #include "curvereg/v1/traverse_service.grpc.pb.h"
+#include "wire/error.h"
 
 namespace curvereg::internal {
 namespace {
@@ -16,6 +17,11 @@ using Clock = std::chrono::steady_clock;
 
 // A stream that lived so long worked, though nothing may have happened.
 constexpr std::chrono::seconds kProof(1);
+
+// There is no event of the first one's number, and none will be soon.
+bool IsWorthAnother(const absl::Status& error) {
+  return IsResumable(error) && wire::ReasonOf(error) != v1::ERROR_REASON_OFFSET_OUT_OF_RANGE;
+}
 
 // One stream; gRPC's pings notice a dead link, for a traverse on which nothing happens is silent.
 absl::Status WatchOnce(Connection& connection, const std::shared_ptr<grpc::Channel>& channel,
@@ -37,7 +43,7 @@ absl::Status WatchOnce(Connection& connection, const std::shared_ptr<grpc::Chann
 
 absl::Status WatchTraverse(Connection& connection, const std::string& name, const WatchOptions& options,
                            const std::function<void(const TraverseEvent&)>& on_event) {
-  Retrier retrier(connection, {options.cancellation, connection.options().call_timeout, IsResumable,
+  Retrier retrier(connection, {options.cancellation, connection.options().call_timeout, IsWorthAnother,
                                /*until_timeout=*/true});
   v1::WatchTraverseRequest request;
   request.set_name(name);

@@ -21,6 +21,7 @@ ExitCode ExitCodeForServerError(const absl::Status& status) {
   switch (status.code()) {
     case absl::StatusCode::kInvalidArgument:
     case absl::StatusCode::kNotFound:
+    case absl::StatusCode::kOutOfRange:
     case absl::StatusCode::kUnimplemented:
       return ExitCode::kUsage;
     case absl::StatusCode::kCancelled:
@@ -57,13 +58,11 @@ ExitCode ExitCodeFor(const absl::Status& status) {
   }
 }
 
-ExitCode ReportError(const absl::Status& status) {
-  if (absl::IsCancelled(status)) {  // only the user cancels; the library's words are for programs
-    std::fputs("curvereg: interrupted\n", stderr);
-    return ExitCodeFor(status);
-  }
-  const std::string message = status.message().empty() ? status.ToString() : std::string(status.message());
-  std::fprintf(stderr, "curvereg: %s\n", message.c_str());
+ExitCode ReportError(const absl::Status& status, const std::string& advice) {
+  std::string message = status.message().empty() ? status.ToString() : std::string(status.message());
+  if (absl::IsCancelled(status))
+    message = "interrupted";  // only the user cancels; the library's words are for programs
+  std::fprintf(stderr, "curvereg: %s%s%s\n", message.c_str(), advice.empty() ? "" : "; ", advice.c_str());
   return ExitCodeFor(status);
 }
 

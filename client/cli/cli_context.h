@@ -38,8 +38,9 @@ struct Command {
 
 ExitCode ExitCodeFor(const absl::Status& status);
 
-// Prints "curvereg: <message>" to standard error. Returns ExitCodeFor(status). Precondition: !status.ok().
-ExitCode ReportError(const absl::Status& status);
+// Prints "curvereg: <message>" and, after a semicolon, what there is of `advice` to standard error. Returns
+// ExitCodeFor(status). Precondition: !status.ok().
+ExitCode ReportError(const absl::Status& status, const std::string& advice = "");
 
 // Prints "curvereg: warning: <message>" to standard error.
 void ReportWarning(const std::string& message);

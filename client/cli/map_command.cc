@@ -16,7 +16,6 @@
 #include "client/cli/traverse_arguments.h"
 #include "client/files/atomic_file.h"
 #include "client/files/cloud_file.h"
-#include "client/files/result_json.h"
 #include "client/traverses.h"
 
 namespace curvereg::cli {
@@ -51,7 +50,7 @@ absl::Status CheckOutput(const std::string& path) {
 
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (const absl::Status output = CheckOutput(arguments.out); !output.ok()) return ReportError(output);
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
   if (!service.ok()) return ReportError(service.status());
   absl::StatusOr<RemoteMap> map;
   {
@@ -69,11 +68,9 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
                                    ? WriteFileAtomically(arguments.out, map->text)
                                    : WriteCloudFile(arguments.out, {std::move(map->points), std::nullopt});
   if (!written.ok()) return ReportError(written);
-  if (!arguments.traverse.json) {
-    return PrintResult(absl::StrCat(arguments.out, "  ", map->num_cells, " cells\n"));
-  }
-  return PrintResult(JsonText({{"file", arguments.out}, {"version", map->version}, {"num_cells", map->num_cells}}) +
-                     "\n");
+  return PrintAnswer(arguments.traverse,
+                     {{"file", arguments.out}, {"version", map->version}, {"num_cells", map->num_cells}},
+                     absl::StrCat(arguments.out, "  ", map->num_cells, " cells\n"));
 }
 
 }  // namespace

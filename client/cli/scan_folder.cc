@@ -22,7 +22,12 @@ constexpr std::chrono::milliseconds kPoll(100);
 // Text files beside the scans of a data set that are not scans.
 bool IsNote(const std::string& name) {
   return name.starts_with("poses") || name.starts_with("pairs") || name.starts_with("strangers") ||
-         name.starts_with("trajectory") || name.starts_with("README");
+         name.starts_with("trajectory") || name.starts_with("odometry") || name.starts_with("README");
+}
+
+bool IsSameFile(const fs::path& path, const std::string& other) {
+  std::error_code error;
+  return !other.empty() && fs::equivalent(path, other, error);
 }
 
 }  // namespace
@@ -34,7 +39,7 @@ void SleepOrStop(std::chrono::milliseconds time, const std::stop_token& stop) {
   woken.wait_for(lock, stop, time, [] { return false; });
 }
 
-absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder) {
+absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder, const std::string& except) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     if (fs::exists(folder, error)) return absl::InvalidArgumentError(absl::StrCat(folder, ": is not a folder"));
@@ -43,7 +48,8 @@ absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder) 
   std::vector<std::string> files;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (!name.starts_with('.') && HasCloudEnding(name) && !IsNote(name)) files.push_back(entry->path().string());
+    if (name.starts_with('.') || !HasCloudEnding(name) || IsNote(name) || IsSameFile(entry->path(), except)) continue;
+    files.push_back(entry->path().string());
   }
   if (error) return absl::PermissionDeniedError(absl::StrCat(folder, ": cannot be read: ", error.message()));
   std::sort(files.begin(), files.end());
@@ -51,7 +57,7 @@ absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder) 
 }
 
 absl::StatusOr<std::string> GrowingFolder::Look() {
-  const absl::StatusOr<std::vector<std::string>> files = ScanFilesIn(folder_);
+  const absl::StatusOr<std::vector<std::string>> files = ScanFilesIn(folder_, options_.except);
   if (!files.ok()) return files.status();
   const Clock::time_point now = Clock::now();
   std::string first;

@@ -20,9 +20,9 @@ namespace curvereg::cli {
 // Returns early once the stop is requested.
 void SleepOrStop(std::chrono::milliseconds time, const std::stop_token& stop);
 
-// Paths of the cloud files in the folder, in name order; notes (poses.txt, README.txt, ...) are left out. NOT_FOUND,
-// INVALID_ARGUMENT: no folder.
-absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder);
+// Paths of the cloud files in the folder, in name order; notes (poses.txt, README.txt, ...) and the file `except`
+// (empty: none) are left out. NOT_FOUND, INVALID_ARGUMENT: no folder.
+absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder, const std::string& except = "");
 
 // Gives the files of a folder that others write into, one by one in name order. A file is given once its size has not
 // changed for `settle_time`: whoever writes under another name and renames is on the safe side in any case.
@@ -31,6 +31,7 @@ class GrowingFolder {
   struct Options {
     std::chrono::milliseconds settle_time{500};
     std::optional<std::chrono::milliseconds> idle_end;  // ends when nothing new came for so long; absent: never
+    std::string except = "";                            // a file that is no scan
   };
   GrowingFolder(std::string folder, const Options& options) : folder_(std::move(folder)), options_(options) {}
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/scan_source.h"
 
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <cmath>
 #include <utility>
 
@@ -20,16 +22,51 @@ bool HasTimes(const std::vector<StampedPose>& poses) {
   return false;
 }
 
+// Times become whole nanoseconds of 64 bits, and a drive's scans come one after the other.
+absl::Status CheckTimes(const std::vector<StampedPose>& poses) {
+  constexpr double kMaxSeconds = 9e9;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const double time_s = poses[i].timestamp_s;
+    if (!(std::abs(time_s) < kMaxSeconds)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("the time of pose ", i + 1, ", ", time_s, ", is no time in seconds since 1970"));
+    }
+    if (i > 0 && time_s <= poses[i - 1].timestamp_s) {
+      return absl::InvalidArgumentError(absl::StrCat("the time of pose ", i + 1, " is not after that of pose ", i,
+                                                     "; a pose for each scan is wanted, in their order"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
-absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments, uint64_t num_sent) {
+void AddScanSourceOptions(CLI::App& command, ScanSourceArguments& arguments) {
+  CLI::Option* folder = command.add_option("DIR", arguments.folder, "Folder of scans, sent in name order");
+  command.add_option("--follow", arguments.follow, "Folder that grows: sends what comes, until ^C or --idle-end")
+      ->excludes(folder)
+      ->type_name("DIR");
+  command
+      .add_option("--idle-end", arguments.idle_end_s, "With --follow: end when nothing new came for so many seconds")
+      ->check(CheckPositive)
+      ->type_name("S");
+  command
+      .add_option("--priors", arguments.priors,
+                  "Odometry of the drive, TUM or KITTI: a pose for each scan, in their order; its times, where they "
+                  "are TUM, become the scans'")
+      ->type_name("FILE");
+  command.add_option("--prior-sigma", arguments.prior_sigma,
+                     "Standard deviations of the motion from scan to scan: ROTATION_RAD,TRANSLATION_M");
+}
+
+absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments) {
   ScanSource source;
-  source.next_ = source.num_sent_ = num_sent;
   if (arguments.folder.empty() == arguments.follow.empty()) {
     return absl::InvalidArgumentError("which scans? Give a folder DIR, or --follow DIR");
   }
   if (!arguments.follow.empty()) {
     GrowingFolder::Options options;
+    options.except = arguments.priors;
     if (arguments.idle_end_s > 0.0) {
       options.idle_end = std::chrono::milliseconds(static_cast<int64_t>(arguments.idle_end_s * 1e3));
     }
@@ -37,19 +74,24 @@ absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments
   } else if (arguments.idle_end_s > 0.0) {
     return absl::InvalidArgumentError("--idle-end goes with --follow");
   }
-  const std::string& folder = source.growing_ ? arguments.follow : arguments.folder;
-  absl::StatusOr<std::vector<std::string>> files = ScanFilesIn(folder);
+  source.folder_ = source.growing_ ? arguments.follow : arguments.folder;
+  absl::StatusOr<std::vector<std::string>> files = ScanFilesIn(source.folder_, arguments.priors);
   if (!files.ok()) return files.status();
   if (!source.growing_) {
-    if (files->empty()) return absl::InvalidArgumentError(absl::StrCat(folder, ": holds no scans"));
-    if (files->size() < num_sent) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(folder, ": holds ", files->size(), " scans, the traverse has ", num_sent, " already"));
-    }
+    if (files->empty()) return absl::InvalidArgumentError(absl::StrCat(source.folder_, ": holds no scans"));
     source.files_ = *std::move(files);
   }
   if (absl::Status status = source.ReadPriors(arguments); !status.ok()) return status;
   return source;
+}
+
+absl::Status ScanSource::GoOnAfter(uint64_t num_sent) {
+  if (!growing_ && files_.size() < num_sent) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(folder_, ": holds ", files_.size(), " scans, the traverse has ", num_sent, " already"));
+  }
+  next_ = num_sent_ = num_sent;
+  return absl::OkStatus();
 }
 
 absl::Status ScanSource::ReadPriors(const ScanSourceArguments& arguments) {
@@ -65,6 +107,9 @@ absl::Status ScanSource::ReadPriors(const ScanSourceArguments& arguments) {
   }
   odometry_ = *std::move(poses);
   has_times_ = HasTimes(odometry_);
+  if (const absl::Status times = CheckTimes(odometry_); !times.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat(arguments.priors, ": ", times.message()));
+  }
   if (arguments.prior_sigma.empty()) return absl::OkStatus();
   const absl::StatusOr<Matrix6d> covariance = ParsePriorSigma(arguments.prior_sigma);
   if (!covariance.ok()) return covariance.status();

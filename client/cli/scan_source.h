@@ -5,6 +5,7 @@
 #ifndef CURVEREG_CLIENT_CLI_SCAN_SOURCE_H_
 #define CURVEREG_CLIENT_CLI_SCAN_SOURCE_H_
 
+#include <CLI/App.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,11 +26,17 @@ struct ScanSourceArguments {
   std::string prior_sigma;     // empty: unknown
 };
 
+// Declares DIR, --follow, --idle-end, --priors, --prior-sigma.
+void AddScanSourceOptions(CLI::App& command, ScanSourceArguments& arguments);
+
 class ScanSource {
  public:
-  // Begins after the first `num_sent` files. INVALID_ARGUMENT: not one folder, an empty one, one with fewer files than
-  // were sent, priors without a pose for each scan; errors of reading them.
-  static absl::StatusOr<ScanSource> Open(const ScanSourceArguments& arguments, uint64_t num_sent);
+  // Looks at all but the scans themselves. INVALID_ARGUMENT: not one folder, an empty one, priors without a pose for
+  // each scan or with times that do not grow; errors of reading them.
+  static absl::StatusOr<ScanSource> Open(const ScanSourceArguments& arguments);
+
+  // Passes over the first `num_sent` files; before Next. INVALID_ARGUMENT: there are fewer.
+  absl::Status GoOnAfter(uint64_t num_sent);
 
   // The next scan; nullopt: there are no more, or a watched folder is watched no longer. CANCELLED once interrupted.
   absl::StatusOr<std::optional<StreamedScan>> Next(const CliContext& context);
@@ -44,6 +51,7 @@ class ScanSource {
   absl::StatusOr<std::string> NextFile(const CliContext& context);
   void AddTimeAndPrior(StreamedScan& scan) const;
 
+  std::string folder_;
   std::vector<std::string> files_;        // of a folder that does not grow
   std::optional<GrowingFolder> growing_;  // of one that does
   uint64_t num_passed_over_ = 0;          // of the growing folder's files, so far

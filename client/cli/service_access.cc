@@ -114,7 +114,9 @@ absl::StatusOr<ServiceAccess> ServiceAccess::OpenWithData(const ServerArguments&
     config.data_dir = data_dir;
     config.log.level = "error";
     config.drain_delay_ms = 0;
-    return server::Server::Start(config);
+    auto started = server::Server::Start(config);
+    if (!absl::IsUnavailable(started.status())) return started;
+    return decltype(started)(absl::FailedPreconditionError(absl::StrCat("--data-dir: ", started.status().message())));
   });
 }
 

@@ -35,7 +35,8 @@ class ServiceAccess {
  public:
   // INVALID_ARGUMENT: arguments; UNAVAILABLE: no server answers there.
   static absl::StatusOr<ServiceAccess> Open(const ServerArguments& arguments);
-  // The same, but the service in this process keeps scans and traverses in the folder. Errors of Server::Start.
+  // The same, but the service in this process keeps scans and traverses in the folder. Errors of Server::Start,
+  // but FAILED_PRECONDITION in place of UNAVAILABLE: it is the folder that cannot be used.
   static absl::StatusOr<ServiceAccess> OpenWithData(const ServerArguments& arguments, const std::string& data_dir);
 
   ServiceAccess() = default;

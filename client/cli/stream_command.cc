@@ -4,21 +4,22 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "client/cli/argument_parsing.h"
 #include "client/cli/cloud_arguments.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/scan_folder.h"
 #include "client/cli/scan_source.h"
+#include "client/cli/stream_account.h"
 #include "client/cli/traverse_arguments.h"
-#include "client/cli/traverse_text.h"
-#include "client/files/result_json.h"
 #include "client/traverses.h"
 
 namespace curvereg::cli {
@@ -29,7 +30,7 @@ struct Arguments {
   ScanSourceArguments source;
   double rate_hz = 0.0;
   bool resume = false;
-  std::string method = "curvelet";
+  std::string method;  // empty: the traverse's, or of a new one the default
   std::string encoding = "quantized";
   double max_error_m = 1e-3;
   std::string frame_id;
@@ -51,33 +52,13 @@ Examples:
   curvereg stream sol-12 --traverse sol-12 --server ground-station:50051
   curvereg stream --follow incoming --traverse sol-12 --resume --priors odometry.txt --prior-sigma 0.02,0.3)";
 
-// What has come so far; told by the streamer's thread.
-struct Account {
-  std::mutex mutex;
-  uint64_t num_results = 0;
-  uint64_t num_unregistered = 0;  // beyond the first scan of the traverse
-  bool printed_all = true;
-  uint64_t num_scans = 0;  // to be sent; 0: unknown
-  StreamProgress progress;
-};
-
-std::string ResultText(const ScanResult& result, bool is_first, bool json) {
-  if (json) return JsonText(ScanResultJson(result)) + "\n";
-  return absl::StrCat(is_first ? ScanResultHeader() : "", ScanResultRow(result));
-}
-
-StreamOptions OptionsOf(const Arguments& arguments, Account& account, ProgressBar& bar) {
+StreamOptions OptionsOf(const Arguments& arguments, StreamAccount& account, ProgressBar& bar) {
   StreamOptions options;
   options.encoding = {
       .kind = arguments.encoding == "lossless" ? TransferEncoding::Kind::kLossless : TransferEncoding::Kind::kQuantized,
       .max_error_m = arguments.max_error_m};
   options.on_result = [&arguments, &account](const ScanResult& result) {
-    const std::lock_guard lock(account.mutex);
-    const bool is_first = account.num_results++ == 0;
-    const bool is_begin = result.sequence_number == 0 && result.pose.origin == PoseOrigin::kSegmentStart;
-    if (!is_begin && result.pose.origin != PoseOrigin::kRegistered) ++account.num_unregistered;
-    const ExitCode printed = PrintResult(ResultText(result, is_first, arguments.traverse.json));
-    account.printed_all = account.printed_all && printed == ExitCode::kDone;
+    PrintScanResult(result, arguments.traverse.json, account);
   };
   options.on_progress = [&account, &bar](const StreamProgress& progress) {
     const std::lock_guard lock(account.mutex);
@@ -91,18 +72,33 @@ StreamOptions OptionsOf(const Arguments& arguments, Account& account, ProgressBa
   return options;
 }
 
-// The traverse to go on with or to begin.
-absl::StatusOr<RemoteTraverse> BeginTraverse(TraverseClient& client, const Arguments& arguments) {
-  const std::string name = TraverseName(arguments.traverse.id);
-  if (arguments.resume) {
-    absl::StatusOr<RemoteTraverse> found = client.Get(name);
-    if (!absl::IsNotFound(found.status())) return found;
-  }
+absl::StatusOr<TraverseSettings> SettingsOf(const Arguments& arguments) {
   TraverseSettings settings;
+  if (arguments.method.empty()) return settings;
   const absl::StatusOr<Method> method = ParseMethod(arguments.method);
   if (!method.ok()) return method.status();
   settings.registration.method = *method;
+  return settings;
+}
+
+// The traverse to go on with or to begin.
+absl::StatusOr<RemoteTraverse> BeginTraverse(TraverseClient& client, const Arguments& arguments,
+                                             const TraverseSettings& settings) {
+  const std::string name = TraverseName(arguments.traverse.id);
+  if (arguments.resume) {
+    absl::StatusOr<RemoteTraverse> found = client.Get(name);
+    if (found.ok() && !arguments.method.empty() &&
+        found->settings.registration.method != settings.registration.method) {
+      ReportWarning(absl::StrCat(name, ": keeps the method it was begun with, ",
+                                 std::string(MethodName(found->settings.registration.method))));
+    }
+    if (!absl::IsNotFound(found.status())) return found;
+  }
   absl::StatusOr<RemoteTraverse> traverse = client.Create(name.substr(name.find('/') + 1), settings);
+  if (absl::IsAlreadyExists(traverse.status())) {
+    return absl::AlreadyExistsError(
+        absl::StrCat(traverse.status().message(), "; take another name, or --resume, which keeps its settings"));
+  }
   if (!traverse.ok() || traverse->next_sequence_number == 0) return traverse;
   return absl::AlreadyExistsError(
       absl::StrCat(name, ": has ", traverse->next_sequence_number, " scans already; --resume goes on after them"));
@@ -137,21 +133,27 @@ absl::Status SendAll(ScanStreamer& streamer, ScanSource& source, const Arguments
   }
 }
 
-absl::Status Stream(TraverseClient& client, const RemoteTraverse& traverse, const Arguments& arguments,
-                    Account& account, const CliContext& context) {
-  absl::StatusOr<ScanSource> source = ScanSource::Open(arguments.source, traverse.next_sequence_number);
-  if (!source.ok()) return source.status();
-  account.num_scans = source->num_left();
+struct Stream {
+  const Arguments& arguments;
+  TraverseClient& client;
+  const RemoteTraverse& traverse;
+  ScanSource& source;
+};
+
+absl::Status Run(const Stream& stream, StreamAccount& account, const CliContext& context) {
+  const auto& [arguments, client, traverse, source] = stream;
+  if (const absl::Status found = source.GoOnAfter(traverse.next_sequence_number); !found.ok()) return found;
+  account.num_scans = source.num_left();
   ProgressBar bar("streaming");
   StreamOptions options = OptionsOf(arguments, account, bar);
   if (traverse.num_registered_scans > 0) options.last_result = traverse.num_registered_scans - 1;
   // ^C ends a watched folder, not what was found in it.
-  if (!source->is_endless()) options.cancellation = context.interrupted;
+  if (!source.is_endless()) options.cancellation = context.interrupted;
   absl::StatusOr<std::unique_ptr<ScanStreamer>> streamer = client.Stream(traverse.name, options);
   if (!streamer.ok()) return streamer.status();
-  const absl::Status sent = SendAll(**streamer, *source, arguments, context);
-  if (source->num_late() > 0) {
-    ReportWarning(absl::StrCat(source->num_late(), " files came too late: their names lie before others sent"));
+  const absl::Status sent = SendAll(**streamer, source, arguments, context);
+  if (source.num_late() > 0) {
+    ReportWarning(absl::StrCat(source.num_late(), " files came too late: their names lie before others sent"));
   }
   // Even after an error of a file: the scans before it count.
   const absl::Status finished = (*streamer)->Finish();
@@ -160,67 +162,51 @@ absl::Status Stream(TraverseClient& client, const RemoteTraverse& traverse, cons
   return sent.ok() || !finished.ok() ? finished : sent;
 }
 
-nlohmann::ordered_json SummaryJson(const RemoteTraverse& traverse, const Account& account,
-                                   const std::optional<OptimizationOutcome>& optimized) {
-  nlohmann::ordered_json json = TraverseJson(traverse);
-  json["num_sent"] = account.progress.num_acknowledged;
-  json["num_results"] = account.num_results;
-  json["num_unregistered"] = account.num_unregistered;
-  json["bytes_sent"] = account.progress.bytes_sent;
-  json["bytes_resent"] = account.progress.bytes_resent;
-  json["num_resumes"] = account.progress.num_resumes;
-  json["optimization"] = optimized ? OptimizationJson(*optimized) : nlohmann::ordered_json(nullptr);
-  return {{"summary", std::move(json)}};
-}
-
-std::string SummaryText(const RemoteTraverse& traverse, const Account& account,
-                        const std::optional<OptimizationOutcome>& optimized) {
-  return absl::StrCat(traverse.name, ": ", account.progress.num_acknowledged, " scans sent, ",
-                      traverse.num_registered_scans, " registered in all, ", traverse.num_segments, " segments, ",
-                      absl::StrFormat("%.2f m\n", traverse.path_length_m),
-                      optimized ? OptimizationText(*optimized) : "");
-}
-
-ExitCode Run(const Arguments& arguments, const CliContext& context) {
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse);
-  if (!service.ok()) return ReportError(service.status());
-  TraverseClient& client = service->client().traverses();
-  const absl::StatusOr<RemoteTraverse> begun = BeginTraverse(client, arguments);
-  if (!begun.ok()) return ReportError(begun.status());
-  Account account;
-  const absl::Status streamed = Stream(client, *begun, arguments, account, context);
-  if (!streamed.ok()) return ReportError(streamed);
+// After all scans: what was asked for in the end, and the summary.
+ExitCode Finish(const Arguments& arguments, TraverseClient& client, const std::string& name,
+                const StreamAccount& account, const CliContext& context) {
   std::optional<OptimizationOutcome> optimized;
   if (arguments.optimize) {
-    const absl::StatusOr<OptimizationOutcome> outcome = client.Optimize(begun->name, true, context.interrupted);
+    const absl::StatusOr<OptimizationOutcome> outcome = client.Optimize(name, true, context.interrupted);
     if (!outcome.ok()) return ReportError(outcome.status());
     optimized = *outcome;
   }
-  const absl::StatusOr<RemoteTraverse> traverse = client.Get(begun->name);
+  const absl::StatusOr<RemoteTraverse> traverse = client.Get(name);
   if (!traverse.ok()) return ReportError(traverse.status());
-  const ExitCode printed =
-      PrintResult(arguments.traverse.json ? JsonText(SummaryJson(*traverse, account, optimized)) + "\n"
-                                          : SummaryText(*traverse, account, optimized));
-  if (printed != ExitCode::kDone || !account.printed_all) return ExitCode::kUsage;
+  if (!account.printed_all) return ExitCode::kUsage;  // said already
+  const ExitCode printed = PrintAnswer(arguments.traverse, StreamSummaryJson(*traverse, account, optimized),
+                                       StreamSummaryText(*traverse, account, optimized));
+  if (printed != ExitCode::kDone) return printed;
   return account.num_unregistered == 0 ? ExitCode::kDone : ExitCode::kRejected;
 }
 
-void AddSourceOptions(CLI::App& command, Arguments& arguments) {
-  ScanSourceArguments& source = arguments.source;
-  CLI::Option* folder = command.add_option("DIR", source.folder, "Folder of scans, sent in name order");
-  command.add_option("--follow", source.follow, "Folder that grows: sends what comes, until ^C or --idle-end")
-      ->excludes(folder)
-      ->type_name("DIR");
-  command.add_option("--idle-end", source.idle_end_s, "With --follow: end when nothing new came for so many seconds")
-      ->check(CheckPositive)
-      ->type_name("S");
-  command
-      .add_option("--priors", source.priors,
-                  "Odometry of the drive, TUM or KITTI: a pose for each scan, in their order; its times, where they "
-                  "are TUM, become the scans'")
-      ->type_name("FILE");
-  command.add_option("--prior-sigma", source.prior_sigma,
-                     "Standard deviations of the motion from scan to scan: ROTATION_RAD,TRANSLATION_M");
+// Why a stream ended early, and what to do.
+ExitCode ReportEarlyEnd(const absl::Status& error, TraverseClient& client, const std::string& name,
+                        const StreamAccount& account) {
+  // Whoever deletes a traverse takes it over first.
+  const bool may_be_gone = absl::IsAborted(error) || absl::IsNotFound(error);
+  const bool was_deleted = may_be_gone && absl::IsNotFound(client.Get(name).status());
+  if (was_deleted) return ReportError(absl::NotFoundError(absl::StrCat(name, ": was deleted while it was streamed")));
+  const uint64_t num_safe = account.progress.num_acknowledged;
+  return ReportError(error,
+                     num_safe == 0 ? "" : absl::StrCat(num_safe, " scans are safe, --resume goes on after them"));
+}
+
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
+  // A mistake must not leave a traverse behind.
+  const absl::StatusOr<TraverseSettings> settings = SettingsOf(arguments);
+  if (!settings.ok()) return ReportError(settings.status());
+  absl::StatusOr<ScanSource> source = ScanSource::Open(arguments.source);
+  if (!source.ok()) return ReportError(source.status());
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kMayBegin);
+  if (!service.ok()) return ReportError(service.status());
+  TraverseClient& client = service->client().traverses();
+  const absl::StatusOr<RemoteTraverse> begun = BeginTraverse(client, arguments, *settings);
+  if (!begun.ok()) return ReportError(begun.status());
+  StreamAccount account;
+  const absl::Status streamed = Run(Stream{arguments, client, *begun, *source}, account, context);
+  if (!streamed.ok()) return ReportEarlyEnd(streamed, client, begun->name, account);
+  return Finish(arguments, client, begun->name, account, context);
 }
 
 }  // namespace
@@ -228,7 +214,7 @@ void AddSourceOptions(CLI::App& command, Arguments& arguments) {
 Command AddStreamCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("stream", "Send a folder of scans to a traverse, as a rover would");
-  AddSourceOptions(*command, *arguments);
+  AddScanSourceOptions(*command, arguments->source);
   command->add_option("--traverse", arguments->traverse.id, "Name of the traverse; begun if it is not there")
       ->required()
       ->type_name("ID");
@@ -237,7 +223,7 @@ Command AddStreamCommand(CLI::App& app) {
       ->type_name("HZ");
   command->add_flag("--resume", arguments->resume, "Go on after the scans that the traverse has");
   command->add_option("--method", arguments->method, absl::StrCat("Of a new traverse: ", MethodNames()))
-      ->capture_default_str()
+      ->default_str("curvelet")
       ->type_name("NAME");
   command->add_option("--encoding", arguments->encoding, "lossless (compressed) or quantized (smallest)")
       ->check(CLI::IsMember({"lossless", "quantized"}))

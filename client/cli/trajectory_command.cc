@@ -13,7 +13,6 @@
 #include "client/cli/traverse_text.h"
 #include "client/cli/traverse_trajectory.h"
 #include "client/files/atomic_file.h"
-#include "client/files/result_json.h"
 #include "client/traverses.h"
 
 namespace curvereg::cli {
@@ -37,27 +36,32 @@ Examples:
   curvereg trajectory sol-12 --out sol-12.tum --server ground-station:50051
   curvereg trajectory sol-12 --json --server ground-station:50051)";
 
-std::string TrajectoryJson(const RemoteTrajectory& trajectory) {
+nlohmann::ordered_json TrajectoryJson(const RemoteTrajectory& trajectory) {
   nlohmann::ordered_json json = {{"version", trajectory.version}, {"poses", nlohmann::ordered_json::array()}};
   for (const TrajectoryPose& pose : trajectory.poses) json["poses"].push_back(PoseJson(pose));
-  return JsonText(json) + "\n";
+  return json;
+}
+
+absl::Status NoPoses(const std::string& name, const RemoteTrajectory& trajectory, int segment) {
+  if (trajectory.poses.empty()) return absl::NotFoundError(absl::StrCat(name, ": has no poses yet"));
+  return absl::NotFoundError(absl::StrCat(name, ": has no poses in segment ", segment));
 }
 
 ExitCode Run(const Arguments& arguments) {
   if (!arguments.out.empty()) {
     if (const absl::Status output = CheckOutputFile(arguments.out); !output.ok()) return ReportError(output);
   }
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
   if (!service.ok()) return ReportError(service.status());
   const std::string name = TraverseName(arguments.traverse.id);
   const absl::StatusOr<RemoteTrajectory> trajectory = service->client().traverses().GetTrajectory(name);
   if (!trajectory.ok()) return ReportError(trajectory.status());
-  if (arguments.traverse.json && arguments.out.empty()) return PrintResult(TrajectoryJson(*trajectory));
+  if (arguments.traverse.json && arguments.out.empty()) {
+    return PrintAnswer(arguments.traverse, TrajectoryJson(*trajectory), "");
+  }
   const int segment = arguments.segment < 0 ? LargestSegment(trajectory->poses) : arguments.segment;
   const std::vector<StampedPose> poses = PosesOf(trajectory->poses, segment);
-  if (poses.empty()) {
-    return ReportError(absl::NotFoundError(absl::StrCat(name, ": has no poses in segment ", segment)));
-  }
+  if (poses.empty()) return ReportError(NoPoses(name, *trajectory, segment));
   if (arguments.segment < 0 && poses.size() < trajectory->poses.size()) {
     ReportWarning(absl::StrCat("segment ", segment, " alone, ", poses.size(), " of ", trajectory->poses.size(),
                                " poses; --segment names another"));
@@ -70,12 +74,10 @@ ExitCode Run(const Arguments& arguments) {
   if (const absl::Status written = WriteFileAtomically(arguments.out, *text); !written.ok()) {
     return ReportError(written);
   }
-  if (!arguments.traverse.json) return PrintResult(absl::StrCat(arguments.out, "  ", poses.size(), " poses\n"));
-  return PrintResult(JsonText({{"file", arguments.out},
-                               {"version", trajectory->version},
-                               {"segment", segment},
-                               {"num_poses", poses.size()}}) +
-                     "\n");
+  return PrintAnswer(
+      arguments.traverse,
+      {{"file", arguments.out}, {"version", trajectory->version}, {"segment", segment}, {"num_poses", poses.size()}},
+      absl::StrCat(arguments.out, "  ", poses.size(), " poses\n"));
 }
 
 }  // namespace

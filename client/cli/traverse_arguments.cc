@@ -2,6 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/traverse_arguments.h"
 
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "client/files/result_json.h"
+
 namespace curvereg::cli {
 namespace {
 
@@ -20,8 +27,19 @@ void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const s
 
 std::string TraverseName(const std::string& id) { return id.starts_with(kPrefix) ? id : kPrefix + id; }
 
-absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments) {
+absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder) {
+  std::error_code error;
+  const bool is_local = arguments.server.server.empty() && !arguments.data_dir.empty();
+  if (is_local && folder == DataFolder::kIsThere && !std::filesystem::exists(arguments.data_dir, error)) {
+    return absl::NotFoundError(absl::StrCat(arguments.data_dir,
+                                            ": no such data folder; name the one that `stream` made with --data-dir, "
+                                            "or a server with --server"));
+  }
   return ServiceAccess::OpenWithData(arguments.server, arguments.data_dir);
+}
+
+ExitCode PrintAnswer(const TraverseArguments& arguments, const nlohmann::ordered_json& json, const std::string& text) {
+  return PrintResult(arguments.json ? JsonText(json) + "\n" : text);
 }
 
 }  // namespace curvereg::cli

@@ -6,6 +6,7 @@
 #define CURVEREG_CLIENT_CLI_TRAVERSE_ARGUMENTS_H_
 
 #include <CLI/App.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -26,8 +27,13 @@ void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const s
 // `traverses/ID` for ID, or for what is a name already.
 std::string TraverseName(const std::string& id);
 
-// The service: a server's, else one in this process over the data folder.
-absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments);
+// The service: a server's, else one in this process over the data folder. NOT_FOUND: no such folder, unless it
+// may begin now; errors of ServiceAccess::OpenWithData.
+enum class DataFolder { kIsThere, kMayBegin };
+absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder);
+
+// The answer of a command: JSON where that was asked for, else the text. As PrintResult.
+ExitCode PrintAnswer(const TraverseArguments& arguments, const nlohmann::ordered_json& json, const std::string& text);
 
 }  // namespace curvereg::cli
 

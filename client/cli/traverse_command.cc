@@ -17,7 +17,6 @@
 #include "client/cli/traverse_report.h"
 #include "client/cli/traverse_text.h"
 #include "client/cli/traverse_trajectory.h"
-#include "client/files/result_json.h"
 #include "client/traverses.h"
 
 namespace curvereg::cli {
@@ -70,27 +69,26 @@ ExitCode List(const Arguments& arguments, TraverseClient& client) {
     json.push_back(TraverseJson(traverse));
     text += Line(traverse);
   }
-  return PrintResult(arguments.traverse.json ? JsonText({{"traverses", std::move(json)}}) + "\n" : text);
+  return PrintAnswer(arguments.traverse, {{"traverses", std::move(json)}}, text);
 }
 
 ExitCode Show(const Arguments& arguments, TraverseClient& client) {
   const absl::StatusOr<RemoteTraverse> traverse = client.Get(TraverseName(arguments.traverse.id));
   if (!traverse.ok()) return ReportError(traverse.status());
-  return PrintResult(arguments.traverse.json ? JsonText(TraverseJson(*traverse)) + "\n" : Description(*traverse));
+  return PrintAnswer(arguments.traverse, TraverseJson(*traverse), Description(*traverse));
 }
 
 ExitCode Optimize(const Arguments& arguments, TraverseClient& client, const CliContext& context) {
   const absl::StatusOr<OptimizationOutcome> outcome =
       client.Optimize(TraverseName(arguments.traverse.id), !arguments.without_loops, context.interrupted);
   if (!outcome.ok()) return ReportError(outcome.status());
-  return PrintResult(arguments.traverse.json ? JsonText(OptimizationJson(*outcome)) + "\n"
-                                             : OptimizationText(*outcome));
+  return PrintAnswer(arguments.traverse, OptimizationJson(*outcome), OptimizationText(*outcome));
 }
 
 ExitCode Delete(const Arguments& arguments, TraverseClient& client) {
   const std::string name = TraverseName(arguments.traverse.id);
   if (const absl::Status status = client.Delete(name); !status.ok()) return ReportError(status);
-  return arguments.traverse.json ? PrintResult(JsonText({{"deleted", name}}) + "\n") : ExitCode::kDone;
+  return PrintAnswer(arguments.traverse, {{"deleted", name}}, "");
 }
 
 absl::Status ReadEvents(TraverseClient& client, const CliContext& context, TraverseRecord& record) {
@@ -144,16 +142,16 @@ ExitCode Report(const Arguments& arguments, TraverseClient& client, const CliCon
   if (!warning.ok()) return ReportError(warning.status());
   if (!warning->empty()) ReportWarning(*warning);
   const std::string page = arguments.out + "/report.html";
-  if (!arguments.traverse.json) return PrintResult(page + "\n");
-  return PrintResult(JsonText({{"report", page},
-                               {"version", record->trajectory.version},
-                               {"num_poses", record->trajectory.poses.size()},
-                               {"num_map_points", record->map.size()}}) +
-                     "\n");
+  return PrintAnswer(arguments.traverse,
+                     {{"report", page},
+                      {"version", record->trajectory.version},
+                      {"num_poses", record->trajectory.poses.size()},
+                      {"num_map_points", record->map.size()}},
+                     page + "\n");
 }
 
 ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliContext& context) {
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
   if (!service.ok()) return ReportError(service.status());
   TraverseClient& client = service->client().traverses();
   if (command.got_subcommand("list")) return List(arguments, client);

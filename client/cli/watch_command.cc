@@ -7,11 +7,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "client/cli/argument_parsing.h"
 #include "client/cli/traverse_arguments.h"
 #include "client/cli/traverse_text.h"
-#include "client/files/result_json.h"
 #include "client/traverses.h"
 
 namespace curvereg::cli {
@@ -35,7 +35,7 @@ Examples:
   curvereg watch sol-12 --once --json --server ground-station:50051)";
 
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
   if (!service.ok()) return ReportError(service.status());
   std::stop_source unread;  // whoever read our output is gone
   const std::stop_callback interrupt(context.interrupted, [&unread] { unread.request_stop(); });
@@ -43,11 +43,12 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
   options.first_event = arguments.first_event;
   options.existing_only = arguments.once;
   options.cancellation = unread.get_token();
-  ExitCode printed = arguments.traverse.json ? ExitCode::kDone : PrintResult(ScanResultHeader());
+  ExitCode printed = ExitCode::kDone;
+  std::string header = arguments.traverse.json ? "" : ScanResultHeader();
   const absl::Status watched = service->client().traverses().Watch(
       TraverseName(arguments.traverse.id), options, [&](const TraverseEvent& event) {
         if (printed != ExitCode::kDone) return;
-        printed = PrintResult(arguments.traverse.json ? JsonText(EventJson(event)) + "\n" : EventText(event));
+        printed = PrintAnswer(arguments.traverse, EventJson(event), std::exchange(header, "") + EventText(event));
         if (printed != ExitCode::kDone) unread.request_stop();
       });
   if (printed != ExitCode::kDone) return printed;
