@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/scans/scan_conversion.h"
 #include "server/store/scan_identity.h"
+#include "server/traverses/streamed_upload.h"
 #include "server/traverses/traverse_conversion.h"
 #include "wire/cloud_header.h"
 #include "wire/digest.h"
@@ -38,12 +39,6 @@ absl::Status ValidateScanHeader(const v1::StreamedScanHeader& header, const Limi
 }
 
 }  // namespace
-
-std::string StreamedUploadId(const std::string& traverse_id, uint64_t sequence_number) {
-  const v1::Digest digest =
-      wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, absl::StrCat(traverse_id, "/", sequence_number));
-  return absl::StrCat("traverse-", wire::HexText(digest.value()));
-}
 
 ScanStreamSession::Answer ScanStreamSession::Handle(v1::StreamScansRequest& request) {
   if (request.has_start() == has_started()) {
@@ -114,7 +109,9 @@ ScanStreamSession::Answer ScanStreamSession::BeginUpload() {
   absl::StatusOr<v1::UploadScanResponse> begun = StartUpload();
   if (wire::ReasonOf(begun.status()) == v1::ERROR_REASON_UPLOAD_DIFFERS) {
     // Never acknowledged as a scan, so the client may have thought better of it.
-    if (const absl::Status forgotten = ForgetPartialUpload(); !forgotten.ok()) return forgotten;
+    const absl::Status forgotten =
+        ForgetStreamedUpload(ticket_->traverse_id, scan_->header.sequence_number(), *environment_.uploads.store);
+    if (!forgotten.ok()) return forgotten;
     begun = StartUpload();
   }
   if (!begun.ok()) return begun.status();
@@ -132,15 +129,6 @@ absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::StartUpload() {
   start.set_payload_bytes(scan_->header.payload_bytes());
   *start.mutable_payload_digest() = scan_->header.payload_digest();
   return Upload(std::move(request));
-}
-
-absl::Status ScanStreamSession::ForgetPartialUpload() {
-  ScanStore& store = *environment_.uploads.store;
-  const absl::StatusOr<UploadState> partial =
-      store.GetUpload(StreamedUploadId(ticket_->traverse_id, scan_->header.sequence_number()));
-  if (!partial.ok()) return partial.status();
-  const absl::StatusOr<std::unique_ptr<UploadWriter>> writer = store.BeginUpload(partial->description);
-  return writer.ok() ? (*writer)->Discard() : writer.status();
 }
 
 ScanStreamSession::Answer ScanStreamSession::Append(v1::PayloadChunk& chunk) {

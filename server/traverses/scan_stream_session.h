@@ -21,9 +21,6 @@
 
 namespace curvereg::server {
 
-// Of the upload that a scan of a traverse comes in, so that a later stream goes on with it where this one was cut.
-std::string StreamedUploadId(const std::string& traverse_id, uint64_t sequence_number);
-
 class ScanStreamSession {
  public:
   // What sessions share; all outlive them. The owners may be those of the uploads of ScanService.
@@ -71,7 +68,6 @@ class ScanStreamSession {
   Answer AddToTraverse(const std::string& scan_name);
   absl::StatusOr<v1::UploadScanResponse> StartUpload();
   absl::StatusOr<v1::UploadScanResponse> Upload(v1::UploadScanRequest request);
-  absl::Status ForgetPartialUpload();
   absl::Status CheckChunk(const v1::PayloadChunk& chunk) const;
   v1::StreamScansResponse Complete(const std::string& scan_id);
   v1::StreamScansResponse Ack() const;

@@ -17,6 +17,7 @@
 #include "server/scans/scan_conversion.h"
 #include "server/store/page_token.h"
 #include "server/traverses/delayed_calls.h"
+#include "server/traverses/streamed_upload.h"
 #include "server/traverses/traverse_conversion.h"
 #include "server/traverses/traverse_engine.h"
 #include "server/traverses/traverse_store.h"
@@ -78,6 +79,7 @@ class TraversesImpl final : public Traverses {
   absl::StatusOr<EnginePointer> MakeEngine(const TraverseRecord& record);
   absl::StatusOr<v1::Traverse> AddTraverse(const v1::CreateTraverseRequest& request, const std::string& name);
   absl::Status RemoveTraverse(const std::string& name);
+  void ForgetPartialUploads(const TraverseRecord& record);
   void RemoveDoomedScans();
   void RemoveDoomedScan(const std::string& scan_id);
 
@@ -271,12 +273,23 @@ absl::Status TraversesImpl::RemoveTraverse(const std::string& name) {
     watchers->Wake();
     return status;
   }
+  ForgetPartialUploads(record);
   {
     const std::lock_guard lock(mutex_);
     engines_.erase(name);
   }
   watchers->Wake();  // streams, too, find that it is gone
   return absl::OkStatus();
+}
+
+// A traverse of the same name is not to go on with them. Those that stay behind, for a fault of the disk, expire.
+void TraversesImpl::ForgetPartialUploads(const TraverseRecord& record) {
+  const absl::StatusOr<std::string> id = TraverseIdOf(record.traverse.name(), "name");
+  if (!id.ok()) return;
+  const uint64_t next = record.traverse.next_sequence_number();
+  for (uint64_t number = next; number <= next + record.traverse.settings().reorder_window(); ++number) {
+    ForgetStreamedUpload(*id, number, *environment_.store).IgnoreError();
+  }
 }
 
 // Those that stay behind, for a fault of the disk, are removed at the next start.

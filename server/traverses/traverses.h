@@ -64,7 +64,9 @@ class Traverses {
   virtual absl::StatusOr<v1::Traverse> Get(const std::string& name) = 0;
   virtual absl::StatusOr<v1::ListTraversesResponse> List(const v1::ListTraversesRequest& request) = 0;
   virtual absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const v1::GetTrajectoryRequest& request) = 0;
-  virtual absl::Status Delete(const std::string& name) = 0;  // cancels what runs; scans that nothing else uses go, too
+  // Cancels what runs; scans that nothing else uses go, too, and what came of the next one. Who streams or watches finds
+  // TRAVERSE_NOT_FOUND. STORAGE_FULL, STORAGE_FAULT: it is still there.
+  virtual absl::Status Delete(const std::string& name) = 0;
 
   // Fences off the stream before; `owner` is requested to stop when the next one fences off this one.
   virtual absl::StatusOr<StreamTicket> BeginStream(const std::string& name, const std::stop_source& owner) = 0;
@@ -92,7 +94,8 @@ class Traverses {
   virtual absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& name,
                                                                   std::function<void()> wake) = 0;
 
-  // Waits its turn in the worker pool; `done` is called once, on a worker's thread or at once on refusal.
+  // Waits its turn in the worker pool; `done` is called once: on a worker's thread, at once on refusal, or by Close and
+  // Delete.
   using OptimizeDone = std::function<void(absl::StatusOr<v1::OptimizeTraverseResponse>)>;
   virtual void Optimize(const v1::OptimizeTraverseRequest& request, const std::string& client, const Stop& stop,
                         OptimizeDone done) = 0;

@@ -9,6 +9,7 @@
 #include <future>
 #include <latch>
 
+#include "server/traverses/streamed_upload.h"
 #include "tests/server/store/small_disk.h"
 #include "tests/server/traverses/traverse_world.h"
 
@@ -353,6 +354,19 @@ TEST(TraversesTest, DeletionTakesScansThatNothingElseUses) {
   EXPECT_TRUE(world.Poses(name).empty());
   EXPECT_THAT(world->Events(name, 0, 10),
               ::testing::Property(&absl::StatusOr<std::vector<v1::WatchTraverseResponse>>::ok, true));
+}
+
+TEST(TraversesTest, DeletionForgetsAScanThatIsOnItsWay) {
+  TraverseWorld world;
+  const std::string name = world.Create("gone", CreateRequest("gone", 2).settings());
+  world.AddDrive(world.Begin(name), 0, 1);
+  const v1::PointCloud cloud = DriveCloud(1);
+  for (const uint64_t number : {1, 3}) {
+    const UploadDescription description = {StreamedUploadId("gone", number), cloud.header(), cloud.data().size(), {}};
+    ASSERT_THAT(world.store().BeginUpload(description).value()->Append(0, cloud.data().substr(0, 100)), IsOk());
+  }
+  ASSERT_THAT(world->Delete(name), IsOk());
+  EXPECT_EQ(world.store().Statistics().num_uploads, 0U);
 }
 
 // A scan cannot be deleted while a traverse uses it: then the traverse must be deletable.
