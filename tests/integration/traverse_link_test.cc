@@ -145,9 +145,12 @@ struct LinkRun {
   uint64_t seed = 0;
 };
 
+constexpr milliseconds kOneWayDelay{1300};
+constexpr double kBytesPerSecond = 256e3 / 8;
+
 // 2.6 s there and back, 256 kbit/s, cut at random every 30 s. What is on the wire at a cut is lost whatever the sender
-// does: 1.3 s of 30 s, 4.3 % in the mean. A short run has more or less of it as its cuts fall; the seeds are of runs
-// whose cuts fall about 30 s apart, and the bound on each cut holds for all.
+// does: 1.3 s of 30 s, 4.3 % in the mean. Cuts come in whole numbers, and when they come depends on the machine: a run
+// may have one more than it has in the mean, which counts in a short one.
 void StreamOverTheMoonLink(const LinkRun& run) {
   const testing::TemporaryFolder folder;
   server::ServerConfig config;
@@ -161,7 +164,7 @@ void StreamOverTheMoonLink(const LinkRun& run) {
   ASSERT_TRUE(direct.ok()) << direct.status();
   Begin(**direct);
   const auto proxy =
-      ImpairmentProxy::Start((*server)->port(), {.one_way_delay = milliseconds(1300), .bytes_per_second = 256e3 / 8});
+      ImpairmentProxy::Start((*server)->port(), {.one_way_delay = kOneWayDelay, .bytes_per_second = kBytesPerSecond});
   ASSERT_TRUE(proxy.ok()) << proxy.status();
   History history;
   const Clock::time_point start = Clock::now();
@@ -188,9 +191,11 @@ void StreamOverTheMoonLink(const LinkRun& run) {
               history.progress.num_resumes, 100.0 * history.ResentShare(),
               static_cast<unsigned long long>(statistics.bytes_to_server));
   EXPECT_GE(history.progress.num_resumes, 1) << "no cut fell into the transfer";
-  EXPECT_LE(history.ResentShare(), 0.05);
+  const double on_the_wire = std::chrono::duration<double>(kOneWayDelay).count() * kBytesPerSecond;
+  const auto resent = static_cast<double>(history.progress.bytes_resent);
+  EXPECT_LE(resent, 0.05 * static_cast<double>(history.progress.bytes_acknowledged) + on_the_wire);
   // A cut costs what is on the wire and not much more.
-  EXPECT_LE(static_cast<double>(history.progress.bytes_resent), history.progress.num_resumes * 1.5 * 32e3);
+  EXPECT_LE(resent, history.progress.num_resumes * 1.15 * on_the_wire);
   CheckHistory(history, **direct, run.num_scans);
 }
 
