@@ -23,7 +23,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/call.h"
-#include "server/scans/disk_task.h"
+#include "server/call_task.h"
 #include "server/scheduling/worker_pool.h"
 #include "wire/error.h"
 
@@ -243,8 +243,8 @@ class ChunkStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
     lock.unlock();
     // Without the lock, for the task may be refused or dropped at once. Until OnWorked nobody finishes the call.
     if (work) {
-      RunOnDiskPool(disk_pool_, call_,
-                    {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});
+      RunOnPool(disk_pool_, call_,
+                {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});
     }
   }
 

@@ -15,7 +15,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/call.h"
-#include "server/scans/disk_task.h"
+#include "server/call_task.h"
 #include "server/scheduling/worker_pool.h"
 
 namespace curvereg::server {
@@ -138,8 +138,7 @@ class ResponseStream : public grpc::ServerWriteReactor<Response> {
     WorkerPool& next_pool = pool();
     lock.unlock();
     // Without the lock, for the task may be refused or dropped at once. Until OnWorked nobody finishes the call.
-    RunOnDiskPool(next_pool, call_,
-                  {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});
+    RunOnPool(next_pool, call_, {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});
   }
 
   Call call_;

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "server/scans/disk_task.h"
+#include "server/call_task.h"
 
 namespace curvereg::server {
 
@@ -12,7 +12,7 @@ grpc::ServerUnaryReactor* UnaryDiskCall::Start(std::function<absl::Status()> wor
   grpc::ServerUnaryReactor* const reactor = this;
   call_.CountReceived();
   if (call_.admitted().ok()) {
-    RunOnDiskPool(pool_, call_, {std::move(work), [this](const absl::Status& status) { End(status); }});
+    RunOnPool(pool_, call_, {std::move(work), [this](const absl::Status& status) { End(status); }});
   } else {
     End(call_.admitted());
   }

@@ -64,8 +64,8 @@ class Traverses {
   virtual absl::StatusOr<v1::Traverse> Get(const std::string& name) = 0;
   virtual absl::StatusOr<v1::ListTraversesResponse> List(const v1::ListTraversesRequest& request) = 0;
   virtual absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const v1::GetTrajectoryRequest& request) = 0;
-  // Cancels what runs; scans that nothing else uses go, too, and what came of the next one. Who streams or watches finds
-  // TRAVERSE_NOT_FOUND. STORAGE_FULL, STORAGE_FAULT: it is still there.
+  // Cancels what runs; scans that nothing else uses go, too, and what came of the next one. Who streams or watches
+  // finds TRAVERSE_NOT_FOUND. STORAGE_FULL, STORAGE_FAULT: it is still there.
   virtual absl::Status Delete(const std::string& name) = 0;
 
   // Fences off the stream before; `owner` is requested to stop when the next one fences off this one.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/scans/disk_task.h"
+#include "server/call_task.h"
 
 #include <memory>
 #include <utility>
@@ -8,8 +8,9 @@
 #include "server/caught.h"
 
 namespace curvereg::server {
-void RunOnDiskPool(WorkerPool& pool, const Call& call, DiskTask task) {
-  const auto shared = std::make_shared<const DiskTask>(std::move(task));
+
+void RunOnPool(WorkerPool& pool, const Call& call, CallTask task) {
+  const auto shared = std::make_shared<const CallTask>(std::move(task));
   const absl::Status accepted =
       pool.Submit({call.client(), call.stop().cancellation,
                    [shared](std::chrono::nanoseconds) { shared->finish(Caught(shared->work)); },

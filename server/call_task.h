@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A call's work on the disk pool, its end told exactly once whatever happens to it.
-#ifndef CURVEREG_SERVER_SCANS_DISK_TASK_H_
-#define CURVEREG_SERVER_SCANS_DISK_TASK_H_
+// A call's work on a worker pool, its end told exactly once whatever happens to it.
+#ifndef CURVEREG_SERVER_CALL_TASK_H_
+#define CURVEREG_SERVER_CALL_TASK_H_
 
 #include <functional>
 
@@ -13,7 +13,7 @@
 
 namespace curvereg::server {
 
-struct DiskTask {
+struct CallTask {
   std::function<absl::Status()> work;               // on a worker's thread
   std::function<void(const absl::Status&)> finish;  // told the status of `work`, or why it never ran
 };
@@ -21,8 +21,8 @@ struct DiskTask {
 // Hands the task over. `finish` is called exactly once: after `work` on the worker's thread; else, when the pool
 // refuses or drops the task, on this thread or on the one that cancels the call. So hold no lock that it takes. What
 // `work` throws (want of memory) becomes INTERNAL.
-void RunOnDiskPool(WorkerPool& pool, const Call& call, DiskTask task);
+void RunOnPool(WorkerPool& pool, const Call& call, CallTask task);
 
 }  // namespace curvereg::server
 
-#endif  // CURVEREG_SERVER_SCANS_DISK_TASK_H_
+#endif  // CURVEREG_SERVER_CALL_TASK_H_
