@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <set>
 #include <utility>
 #include <vector>
@@ -43,19 +44,33 @@ std::vector<double> PositionSigmas(const Traverse& traverse) {
 
 uint64_t LoopGap(const TrackingOptions& options) { return static_cast<uint64_t>(std::max(1, options.min_loop_gap)); }
 
+// A rover that stands still, or does not know where it is, has all its scans within reach of each other.
+constexpr size_t kMostOfOneScan = 100;
+
+void KeepNearest(size_t most, std::vector<PairCandidate>& pairs) {
+  if (pairs.size() <= most) return;
+  std::nth_element(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(most), pairs.end(), IsNearer);
+  pairs.resize(most);
+}
+
 std::vector<PairCandidate> PairsWithinReach(const Traverse& traverse, const TrackingOptions& options) {
   std::set<Pair> linked;
   for (const TraverseLink& link : traverse.links) linked.emplace(link.source, link.target);
   const std::vector<double> sigmas = PositionSigmas(traverse);
   const uint64_t gap = LoopGap(options);
   std::vector<PairCandidate> pairs;
+  std::vector<PairCandidate> of_source;
   for (size_t source = gap; source < traverse.poses.size(); ++source) {
+    of_source.clear();
     for (size_t target = 0; target + gap <= source; ++target) {
       if (traverse.poses[source].segment != traverse.poses[target].segment) continue;
       const double distance_m = DistanceOf(traverse.poses[source], traverse.poses[target]);
       const double reach_m = options.loop_distance_m + 3.0 * std::hypot(sigmas[source], sigmas[target]);
-      if (distance_m <= reach_m && !linked.contains({source, target})) pairs.push_back({source, target, distance_m});
+      if (distance_m > reach_m || linked.contains({source, target})) continue;
+      of_source.push_back({source, target, distance_m});
     }
+    KeepNearest(kMostOfOneScan, of_source);
+    pairs.insert(pairs.end(), of_source.begin(), of_source.end());
   }
   std::sort(pairs.begin(), pairs.end(), IsNearer);
   return pairs;

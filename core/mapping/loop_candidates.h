@@ -31,8 +31,8 @@ absl::Status TryNeighbours(const Traverse& traverse, uint64_t sequence_number, c
 
 // Pairs of one segment, min_loop_gap (at least 1) or more apart in sequence, whose distance is below loop_distance_m
 // plus three standard deviations of it, until max_loop_candidates were tried: nearest first, but spread along the path:
-// pairs that repeat one that was tried, or an accepted link, come last. Pairs that have a link are left out.
-// O(poses^2 + links), and O(log) of what was tried for each pair within reach.
+// pairs that repeat one that was tried, or an accepted link, come last. Pairs that have a link are left out, and so are
+// all but the hundred nearest earlier scans of a scan. O(poses^2 + links) time, O(poses + links) memory.
 absl::Status TryLoops(const Traverse& traverse, const TrackingOptions& options, const TryPair& try_pair);
 
 }  // namespace curvereg

@@ -60,8 +60,8 @@ struct TrackedScan {
 // Registers the scan against its predecessor: one registration in the common case, whatever the traverse's length.
 // Where that is rejected, against the nearest kept scans. A prior with covariance gates each of them, and carries the
 // pose when all are rejected; a prior without one is a hypothesis and carries nothing. Scans for which `load` says
-// NOT_FOUND are not kept and passed over. Errors: those of `load` and of registrations that could not be done,
-// CANCELLED, DEADLINE_EXCEEDED of `stop` (registration.time_budget_s rejects the link instead).
+// NOT_FOUND are not kept and passed over, fifty at most. Errors: those of `load` and of registrations that could not be
+// done, CANCELLED, DEADLINE_EXCEEDED of `stop` (registration.time_budget_s rejects the link instead).
 absl::StatusOr<TrackedScan> TrackScan(const Traverse& traverse, const TraverseScan& scan,
                                       const TraverseScanLoader& load, const TrackingOptions& options,
                                       const Stop& stop = {});

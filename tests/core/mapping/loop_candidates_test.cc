@@ -193,6 +193,21 @@ TEST(LoopCandidatesTest, ALeastGapOfNothing) {
   }
 }
 
+// Every scan is within reach of every other: no more than a hundred pairs of each are held.
+TEST(LoopCandidatesTest, AStandingRoverHasNotAllPairs) {
+  Traverse traverse = Circle(1);
+  traverse.poses.resize(500, traverse.poses[0]);
+  for (uint64_t i = 0; i < traverse.poses.size(); ++i) traverse.poses[i].sequence_number = i;
+  int num_asked = 0;
+  const auto not_kept = [&](const PairCandidate&) -> absl::StatusOr<bool> {
+    ++num_asked;
+    return false;
+  };
+  EXPECT_THAT(TryLoops(traverse, {}, not_kept), IsOk());
+  EXPECT_EQ(num_asked, 101 * 100 / 2 + (490 - 100) * 100);
+  EXPECT_EQ(Loops(traverse, {}).size(), 20U);
+}
+
 TEST(LoopCandidatesTest, DoubtWidensTheReach) {
   Traverse traverse = Circle(kLap - 2);  // the last is 15 m short of the first
   EXPECT_TRUE(Loops(traverse, {}).empty());
