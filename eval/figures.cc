@@ -92,20 +92,33 @@ std::string LastLine(const std::string& text) {
   return stripped.substr(stripped.rfind('\n') + 1);  // npos + 1 is 0
 }
 
-}  // namespace
-
-std::string DefaultDrawScript() {
+std::string ScriptOf(Drawing drawing) {
+  const char* name = drawing == Drawing::kTraverse ? "draw_traverse_report.py" : "draw_evaluation.py";
   std::error_code error;
   const fs::path executable = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = executable.parent_path() / "../share/curvereg/draw_report.py";
-  return fs::exists(installed, error) ? installed.lexically_normal().string() : CURVEREG_DRAW_SCRIPT;
+  const fs::path installed = executable.parent_path() / "../share/curvereg" / name;
+  if (fs::exists(installed, error)) return installed.lexically_normal().string();
+  return (fs::path(CURVEREG_DRAW_FOLDER) / name).string();
 }
 
-absl::StatusOr<std::vector<std::string>> DrawFigures(const std::string& folder, const FigureOptions& options) {
+// -B: nothing is to be left beside the scripts.
+std::vector<std::string> CommandOf(const FigureOptions& options, const std::string& script, Drawing drawing,
+                                   const std::string& folder) {
+  std::vector<std::string> command = {options.python, "-B", script};
+  if (drawing == Drawing::kPairEvaluation) command.push_back("pairs");
+  if (drawing == Drawing::kTraverseEvaluation) command.push_back("traverse");
+  command.push_back(folder);
+  return command;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<std::string>> DrawFigures(const std::string& folder, Drawing drawing,
+                                                     const FigureOptions& options) {
   std::error_code error;
   for (const std::string& name : FiguresIn(folder)) fs::remove(fs::path(folder) / name, error);
 
-  const std::string script = options.script.empty() ? DefaultDrawScript() : options.script;
+  const std::string script = options.script.empty() ? ScriptOf(drawing) : options.script;
   if (!fs::exists(options.python, error)) {
     return absl::FailedPreconditionError(
         absl::StrCat("no figures: ", options.python, " is missing (Debian: python3, python3-matplotlib)"));
@@ -113,7 +126,7 @@ absl::StatusOr<std::vector<std::string>> DrawFigures(const std::string& folder, 
   if (!fs::exists(script, error)) {
     return absl::FailedPreconditionError(absl::StrCat("no figures: ", script, " is missing"));
   }
-  const absl::StatusOr<ProcessEnd> end = Run({options.python, script, folder});
+  const absl::StatusOr<ProcessEnd> end = Run(CommandOf(options, script, drawing, folder));
   if (!end.ok()) return absl::FailedPreconditionError(absl::StrCat("no figures: ", end.status().message()));
   if (end->exit_status == kNoMatplotlib) {
     return absl::FailedPreconditionError("no figures: matplotlib is missing (Debian: python3-matplotlib)");

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's figures as pictures, drawn by eval/draw_report.py (matplotlib) from the files of a report folder.
+// Figures as pictures, drawn by the scripts beside this file (matplotlib) from the files of a report folder.
 #ifndef CURVEREG_EVAL_FIGURES_H_
 #define CURVEREG_EVAL_FIGURES_H_
 
@@ -13,18 +13,24 @@
 
 namespace curvereg {
 
-struct FigureOptions {
-  std::string python = "/usr/bin/python3";  // Debian's, which finds python3-matplotlib
-  std::string script;                       // draw_report.py; empty: DefaultDrawScript()
+// What the folder is the report of. Told and not guessed: it may hold files of another kind of report, too.
+enum class Drawing {
+  kPairEvaluation,      // draw_evaluation.py pairs
+  kTraverseEvaluation,  // draw_evaluation.py traverse
+  kTraverse,            // draw_traverse_report.py
 };
 
-// draw_report.py: in share/curvereg beside the installed executable's bin folder, else in the source tree.
-std::string DefaultDrawScript();
+struct FigureOptions {
+  std::string python = "/usr/bin/python3";  // Debian's, which finds python3-matplotlib
+  std::string script;  // empty: the drawing's, in share/curvereg beside the installed executable's bin folder, else in
+                       // the source tree
+};
 
 // Draws into `folder` and returns the pictures' file names in name order. Pictures of an earlier run are removed first.
 // FAILED_PRECONDITION, with the cause and the package to install: Python, matplotlib or the script is missing.
 // INTERNAL, with what the script said last: it failed.
-absl::StatusOr<std::vector<std::string>> DrawFigures(const std::string& folder, const FigureOptions& options = {});
+absl::StatusOr<std::vector<std::string>> DrawFigures(const std::string& folder, Drawing drawing,
+                                                     const FigureOptions& options = {});
 
 }  // namespace curvereg
 

@@ -9,10 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/files/atomic_file.h"
-#include "client/files/cloud_file.h"
-#include "client/files/trajectory_file.h"
 #include "eval/distribution.h"
-#include "eval/merged_map.h"
+#include "eval/report_files.h"
 #include "eval/report_html.h"
 #include "eval/report_json.h"
 #include "eval/report_pictures.h"
@@ -77,37 +75,17 @@ std::vector<std::optional<RigidTransform>> EstimatedPoses(
   return PlaceScans(static_cast<int>(dataset.scan_names.size()), edges, true_T_world_scan).T_world_scan;
 }
 
-absl::Status WriteTrajectory(const std::string& path, const std::vector<std::optional<RigidTransform>>& T_world_scan) {
-  std::vector<StampedPose> poses;  // the scan's number in place of a time
-  for (std::size_t i = 0; i < T_world_scan.size(); ++i) {
-    if (T_world_scan[i]) poses.push_back({.timestamp_s = static_cast<double>(i), .T_world_scan = *T_world_scan[i]});
-  }
-  return WriteTrajectoryFile(path, poses);
-}
-
-absl::Status WriteMap(const std::string& path, const Dataset& dataset,
-                      const std::vector<std::optional<RigidTransform>>& T_world_scan, const ReportOptions& options) {
-  MergedMap map(options.map_cell_m);
-  for (std::size_t i = 0; i < T_world_scan.size(); ++i) {
-    if (!T_world_scan[i]) continue;
-    const absl::StatusOr<Scan> scan = options.load_scan(dataset.scan_paths[i]);
-    if (!scan.ok()) return scan.status();
-    map.Add(*scan, *T_world_scan[i]);
-  }
-  return WriteCloudFile(path, map.Points());
-}
-
 absl::Status WriteMethodFiles(const MethodEvaluation& run, const Dataset& dataset,
                               const std::vector<std::optional<RigidTransform>>& true_T_world_scan,
                               const std::string& folder, const ReportOptions& options) {
   const auto T_world_scan = EstimatedPoses(run, dataset, true_T_world_scan);
   const std::string name(MethodName(run.method));
-  const absl::Status status = WriteTrajectory(absl::StrCat(folder, "/trajectory_", name, ".tum"), T_world_scan);
+  const absl::Status status = WriteScanPoses(absl::StrCat(folder, "/trajectory_", name, ".tum"), T_world_scan);
   if (!status.ok()) return status;
   const std::string map_path = absl::StrCat(folder, "/map_", name, ".ply");
   std::error_code error;
   std::filesystem::remove(map_path, error);  // of an earlier run: without an accepted answer there is no map
-  return AnyPose(T_world_scan) ? WriteMap(map_path, dataset, T_world_scan, options) : absl::OkStatus();
+  return AnyPose(T_world_scan) ? WriteMergedMap(map_path, dataset, T_world_scan, options) : absl::OkStatus();
 }
 
 absl::Status WriteData(const Evaluation& evaluation, const Dataset& dataset, const std::string& folder,
@@ -118,7 +96,7 @@ absl::Status WriteData(const Evaluation& evaluation, const Dataset& dataset, con
 
   absl::Status status = WriteFileAtomically(folder + "/report.json", EvaluationJson(evaluation, 1) + "\n");
   status.Update(WriteFileAtomically(folder + "/distributions.csv", distributions));
-  status.Update(WriteTrajectory(folder + "/trajectory_truth.tum", true_T_world_scan));
+  status.Update(WriteScanPoses(folder + "/trajectory_truth.tum", true_T_world_scan));
   for (const MethodEvaluation& run : evaluation.methods) {
     if (status.ok()) status = WriteMethodFiles(run, dataset, true_T_world_scan, folder, options);
   }
@@ -132,11 +110,7 @@ absl::StatusOr<std::string> WriteReport(const Evaluation& evaluation, const Data
   const absl::Status written = WriteData(evaluation, dataset, folder, options);
   if (!written.ok()) return written;
 
-  const DrawnPictures drawn = DrawReportPictures(folder, options.figures);
-  const absl::Status status =
-      WriteFileAtomically(folder + "/report.html", ReportHtml(evaluation, drawn.pictures, drawn.warning));
-  if (!status.ok()) return status;
-  return drawn.warning;
+  return WritePage(folder, options.figures, Drawing::kPairEvaluation, EvaluationPage(evaluation));
 }
 
 }  // namespace curvereg

@@ -126,15 +126,12 @@ std::string HtmlPage(const HtmlPageContent& content) {
   return absl::StrCat(html, content.details, "</body></html>\n");
 }
 
-std::string ReportHtml(const Evaluation& evaluation, const std::vector<ReportPicture>& pictures,
-                       const std::string& note) {
-  return HtmlPage({.title = "Evaluation of " + evaluation.dataset,
-                   .summary = absl::StrCat(
-                       "<p>A pair is ok when its error is below 0.5 m and 0.1 rad. RMSE and medians ",
-                       "leave out pairs without a pose; these count as failures.</p>\n", SummaryTable(evaluation)),
-                   .note = note,
-                   .pictures = pictures,
-                   .details = PairsSections(evaluation)});
+HtmlPageContent EvaluationPage(const Evaluation& evaluation) {
+  return {.title = "Evaluation of " + evaluation.dataset,
+          .summary =
+              absl::StrCat("<p>A pair is ok when its error is below 0.5 m and 0.1 rad. RMSE and medians ",
+                           "leave out pairs without a pose; these count as failures.</p>\n", SummaryTable(evaluation)),
+          .details = PairsSections(evaluation)};
 }
 
 }  // namespace curvereg

@@ -18,18 +18,17 @@ struct ReportPicture {
 };
 
 struct HtmlPageContent {
-  std::string title;    // plain text
-  std::string summary;  // HTML, above the pictures
-  std::string note;     // plain text: why there are no pictures; may be empty
-  std::vector<ReportPicture> pictures;
-  std::string details;  // HTML, below the pictures
+  std::string title = "";    // plain text
+  std::string summary = "";  // HTML, above the pictures
+  std::string note = "";     // plain text: why there are no pictures; may be empty
+  std::vector<ReportPicture> pictures = {};
+  std::string details = "";  // HTML, below the pictures
 };
 std::string HtmlPage(const HtmlPageContent& content);
 std::string Escaped(const std::string& text);  // for use in HTML
 
-// `note` is shown above the pictures (why there are none); may be empty. Deterministic.
-std::string ReportHtml(const Evaluation& evaluation, const std::vector<ReportPicture>& pictures,
-                       const std::string& note);
+// The page of an evaluation of pairs, without its pictures. Deterministic.
+HtmlPageContent EvaluationPage(const Evaluation& evaluation);
 
 }  // namespace curvereg
 

@@ -4,16 +4,25 @@
 
 #include <fstream>
 #include <sstream>
+#include <vector>
+
+#include "client/files/atomic_file.h"
 
 namespace curvereg {
 namespace {
 
-std::string TitleOf(const std::string& figure) {
+std::string EvaluationTitle(const std::string& figure) {
   if (figure.starts_with("figure_1_")) return "Error distributions";
   if (figure.starts_with("figure_2_")) return "Run time";
   if (figure.starts_with("figure_3_")) return "Trajectory";
   if (figure.starts_with("figure_5_")) return "Error along the drive";
   return "Merged map, coloured by height";
+}
+
+std::string TraverseTitle(const std::string& figure) {
+  if (figure.starts_with("figure_1_")) return "Trajectory, with ellipses of two standard deviations";
+  if (figure.starts_with("figure_2_")) return "Map, coloured by height";
+  return "Verdicts";
 }
 
 std::string FileBytes(const std::string& path) {
@@ -24,17 +33,19 @@ std::string FileBytes(const std::string& path) {
 
 }  // namespace
 
-DrawnPictures DrawReportPictures(const std::string& folder, const FigureOptions& options) {
-  const absl::StatusOr<std::vector<std::string>> figures = DrawFigures(folder, options);
-  DrawnPictures drawn;
-  if (!figures.ok()) {
-    drawn.warning = std::string(figures.status().message());
-    return drawn;
+absl::StatusOr<std::string> WritePage(const std::string& folder, const FigureOptions& figures, Drawing drawing,
+                                      HtmlPageContent content) {
+  const absl::StatusOr<std::vector<std::string>> drawn = DrawFigures(folder, drawing, figures);
+  content.note = drawn.ok() ? "" : std::string(drawn.status().message());
+  if (drawn.ok()) {
+    for (const std::string& name : *drawn) {
+      const std::string title = drawing == Drawing::kTraverse ? TraverseTitle(name) : EvaluationTitle(name);
+      content.pictures.push_back({.title = title, .png = FileBytes(folder + "/" + name)});
+    }
   }
-  for (const std::string& name : *figures) {
-    drawn.pictures.push_back({.title = TitleOf(name), .png = FileBytes(folder + "/" + name)});
-  }
-  return drawn;
+  const absl::Status written = WriteFileAtomically(folder + "/report.html", HtmlPage(content));
+  if (!written.ok()) return written;
+  return content.note;
 }
 
 }  // namespace curvereg

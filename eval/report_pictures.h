@@ -1,25 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The figures of a report folder, drawn and read for its HTML page.
+// The page of a report, with the figures that are drawn from the folder's files.
 #ifndef CURVEREG_EVAL_REPORT_PICTURES_H_
 #define CURVEREG_EVAL_REPORT_PICTURES_H_
 
 #include <string>
-#include <vector>
 
+#include "absl/status/statusor.h"
 #include "eval/figures.h"
 #include "eval/report_html.h"
 
 namespace curvereg {
 
-struct DrawnPictures {
-  std::vector<ReportPicture> pictures;
-  std::string warning;  // why there are none; empty when all went well
-};
-
-// DrawFigures, with a title for each picture.
-DrawnPictures DrawReportPictures(const std::string& folder, const FigureOptions& options);
+// Draws the figures and writes `folder`/report.html: the content with a titled picture of each, or with a note that
+// tells why there are none. Returns the note, empty when all went well; errors of WriteFileAtomically.
+absl::StatusOr<std::string> WritePage(const std::string& folder, const FigureOptions& figures, Drawing drawing,
+                                      HtmlPageContent content);
 
 }  // namespace curvereg
 

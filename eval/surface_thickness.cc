@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <optional>
 
-#include "eval/cell_key.h"
 #include "eval/distribution.h"
 
 namespace curvereg {
@@ -18,19 +16,17 @@ constexpr int kMinPoints = 5;  // of one scan in a cell: fewer say little about 
 
 }  // namespace
 
-SurfaceThickness::SurfaceThickness(double cell_m) : cell_m_(cell_m) { assert(cell_m > 0.0); }
+SurfaceThickness::SurfaceThickness(double cell_m) : grid_(cell_m, Eigen::Vector3d::Zero()) { assert(cell_m > 0.0); }
 
 void SurfaceThickness::Add(const Scan& scan, const RigidTransform& T_map_scan) {
   const int number = num_scans_++;
   for (const Eigen::Vector3f& point : scan.points) {
-    if (!point.allFinite()) continue;
-    const Eigen::Vector3d place = T_map_scan * point.cast<double>();
-    const std::optional<GridCell> where = CellOf(place, cell_m_);
-    if (!where) continue;
-    const auto [entry, is_new] = index_of_.try_emplace(where->key, cells_.size());
+    PlacedPoint placed;
+    if (!grid_.Place(T_map_scan * point.cast<double>(), &placed)) continue;
+    const auto [entry, is_new] = index_of_.try_emplace(placed.key, cells_.size());
     if (is_new) cells_.emplace_back();
     Cell& cell = cells_[entry->second];
-    const Eigen::Vector3d offset = place - where->corner;
+    const Eigen::Vector3d offset = placed.offset.cast<double>() * grid_.cell_m();
     cell.sum += offset;
     cell.sum_of_squares += offset * offset.transpose();
     ++cell.count;

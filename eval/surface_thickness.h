@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/mapping/cell_grid.h"
 #include "core/rigid_transform.h"
 #include "core/scan.h"
 
@@ -35,7 +36,7 @@ class SurfaceThickness {
 
  private:
   struct Cell {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of offsets from the cell's corner [m]
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of offsets from the cell's centre [m]
     Eigen::Matrix3d sum_of_squares = Eigen::Matrix3d::Zero();
     int64_t count = 0;
     int last_scan = -1;
@@ -43,9 +44,9 @@ class SurfaceThickness {
     int num_scans = 0;  // that gave enough points
   };
 
-  double cell_m_;
+  CellGrid grid_;
   int num_scans_ = 0;
-  std::unordered_map<uint64_t, std::size_t> index_of_;  // packed cell coordinates → index in cells_
+  std::unordered_map<uint64_t, std::size_t> index_of_;  // keys of the grid → index in cells_
   std::vector<Cell> cells_;
 };
 

@@ -18,7 +18,7 @@
 #include "eval/evaluate_traverse.h"
 #include "eval/report.h"
 #include "eval/report_json.h"
-#include "eval/traverse_report.h"
+#include "eval/traverse_evaluation_report.h"
 
 namespace curvereg::cli {
 namespace {
@@ -113,7 +113,8 @@ ExitCode RunTraverse(const Arguments& arguments, const Dataset& dataset, Method 
   if (!evaluation.ok()) return ReportError(evaluation.status());
   ReportOptions report;
   report.load_scan = LoadScan;
-  const absl::StatusOr<std::string> warning = WriteTraverseReport(*evaluation, dataset, arguments.out, report);
+  const absl::StatusOr<std::string> warning =
+      WriteTraverseEvaluationReport(*evaluation, dataset, arguments.out, report);
   if (!warning.ok()) return ReportError(warning.status());
   if (!warning->empty()) ReportWarning(*warning);
   if (arguments.json) return PrintResult(TraverseEvaluationJson(*evaluation) + "\n");
@@ -171,7 +172,9 @@ Command AddEvaluateCommand(CLI::App& app) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")->check(CheckPositive);
-  command->add_option("--out", arguments->out, "Folder for report.html, report.json, figures, trajectories and maps")
+  command
+      ->add_option("--out", arguments->out,
+                   "Folder for report.html, report.json (of a traverse: traverse.json), figures, trajectories and maps")
       ->required()
       ->type_name("DIR");
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");

@@ -3,11 +3,9 @@
 #include "client/cli/traverse_report.h"
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -17,8 +15,8 @@
 #include "client/files/atomic_file.h"
 #include "client/files/cloud_file.h"
 #include "client/files/result_json.h"
-#include "eval/figures.h"
 #include "eval/report_html.h"
+#include "eval/report_pictures.h"
 
 namespace curvereg::cli {
 namespace {
@@ -108,18 +106,6 @@ std::string Summary(const TraverseRecord& record) {
                       std::string(MethodName(record.traverse.settings.registration.method)), ".</p>\n");
 }
 
-std::string TitleOf(const std::string& figure) {
-  if (figure.starts_with("figure_1_")) return "Trajectory, with ellipses of two standard deviations";
-  if (figure.starts_with("figure_2_")) return "Map, coloured by height";
-  return "Verdicts";
-}
-
-std::string FileBytes(const std::string& path) {
-  std::ostringstream bytes;
-  bytes << std::ifstream(path, std::ios::binary).rdbuf();
-  return bytes.str();
-}
-
 absl::Status WriteData(const TraverseRecord& record, const std::string& folder) {
   absl::Status status = WriteFileAtomically(folder + "/report.json", RecordJson(record));
   std::set<int> segments;
@@ -141,22 +127,10 @@ absl::Status WriteData(const TraverseRecord& record, const std::string& folder) 
 
 absl::StatusOr<std::string> WriteTraverseReport(const TraverseRecord& record, const std::string& folder) {
   if (const absl::Status written = WriteData(record, folder); !written.ok()) return written;
-  FigureOptions options;
-  options.script = (fs::path(DefaultDrawScript()).parent_path() / "draw_traverse.py").string();
-  const absl::StatusOr<std::vector<std::string>> figures = DrawFigures(folder, options);
-  HtmlPageContent page{.title = absl::StrCat("Drive ", record.traverse.name),
-                       .summary = Summary(record),
-                       .note = figures.ok() ? "" : std::string(figures.status().message()),
-                       .pictures = {},
-                       .details = ScanTable(record)};
-  if (figures.ok()) {
-    for (const std::string& name : *figures) {
-      page.pictures.push_back({.title = TitleOf(name), .png = FileBytes(folder + "/" + name)});
-    }
-  }
-  const absl::Status written = WriteFileAtomically(folder + "/report.html", HtmlPage(page));
-  if (!written.ok()) return written;
-  return page.note;
+  return WritePage(folder, FigureOptions(), Drawing::kTraverse,
+                   {.title = absl::StrCat("Drive ", record.traverse.name),
+                    .summary = Summary(record),
+                    .details = ScanTable(record)});
 }
 
 }  // namespace curvereg::cli

@@ -6,12 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "client/files/trajectory_file.h"
-#include "eval/traverse_report.h"
+#include "eval/traverse_evaluation_report.h"
 #include "sim/presets.h"
 #include "sim/simulation.h"
 #include "tests/testing/test_data.h"
@@ -117,9 +118,13 @@ TEST_F(EvaluateTraverseTest, WritesAReport) {
   const absl::StatusOr<TraverseEvaluation> evaluation = EvaluateTraverse(dataset_, options_);
   ASSERT_TRUE(evaluation.ok()) << evaluation.status();
   const TemporaryFolder folder;
+  // Of an evaluation of pairs in the same folder.
+  std::ofstream(folder.File("report.json")) << "{\"methods\":[]}";
+  std::ofstream(folder.File("distributions.csv")) << "method,quantity,value,share\n";
   ReportOptions report;
   report.load_scan = options_.load_scan;
-  const absl::StatusOr<std::string> warning = WriteTraverseReport(*evaluation, dataset_, folder.path(), report);
+  const absl::StatusOr<std::string> warning =
+      WriteTraverseEvaluationReport(*evaluation, dataset_, folder.path(), report);
   ASSERT_TRUE(warning.ok()) << warning.status();
   for (const char* name : {"truth", "tracked", "optimised"}) {
     const auto poses = ReadTrajectoryFile(folder.File(absl::StrCat("trajectory_", name, ".tum")));
@@ -130,7 +135,8 @@ TEST_F(EvaluateTraverseTest, WritesAReport) {
   }
   EXPECT_TRUE(std::filesystem::exists(folder.File("map_optimised.ply")));
   EXPECT_TRUE(std::filesystem::exists(folder.File("report.html")));
-  EXPECT_EQ(warning->empty(), std::filesystem::exists(folder.File("figure_5_drift.png")));
+  EXPECT_EQ(warning->empty(), std::filesystem::exists(folder.File("figure_5_drift.png"))) << *warning;
+  EXPECT_FALSE(std::filesystem::exists(folder.File("figure_1_errors.png"))) << "of pairs";
   const nlohmann::json json = nlohmann::json::parse(TraverseEvaluationJson(*evaluation));
   EXPECT_EQ(json["scans"], kNumScans);
   EXPECT_EQ(json["tracked"]["drift_m"]["rmse"], evaluation->tracked.errors->drift_m.rmse);

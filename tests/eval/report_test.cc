@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "eval/report.h"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "client/files/cloud_file.h"
 #include "eval/report_html.h"
 #include "eval/report_json.h"
 #include "tests/testing/test_data.h"
@@ -110,7 +113,10 @@ TEST_F(ReportTest, JsonHasTheDocumentedKeys) {
 }
 
 TEST_F(ReportTest, HtmlEscapesNamesAndListsFailures) {
-  const std::string html = ReportHtml(evaluation_, {{.title = "A & B", .png = "abc"}}, "no figures: <why>");
+  HtmlPageContent page = EvaluationPage(evaluation_);
+  page.pictures = {{.title = "A & B", .png = "abc"}};
+  page.note = "no figures: <why>";
+  const std::string html = HtmlPage(page);
   EXPECT_THAT(html, HasSubstr("yard &lt;1&gt;"));
   EXPECT_THAT(html, HasSubstr("A &amp; B"));
   EXPECT_THAT(html, HasSubstr("data:image/png;base64,YWJj"));
@@ -139,7 +145,7 @@ TEST_F(ReportTest, AFailingScriptIsNamedWithItsLastWords) {
   options_.figures.script = folder_.File("broken.py");
   options_.figures.python = "/usr/bin/python3";
   if (!std::filesystem::exists(options_.figures.python)) GTEST_SKIP() << "no " << options_.figures.python;
-  const auto figures = DrawFigures(folder_.path(), options_.figures);
+  const auto figures = DrawFigures(folder_.path(), Drawing::kPairEvaluation, options_.figures);
   EXPECT_EQ(figures.status().code(), absl::StatusCode::kInternal);
   EXPECT_THAT(std::string(figures.status().message()), HasSubstr("the end"));
 }
@@ -173,6 +179,22 @@ TEST_F(ReportTest, NothingAcceptedLeavesNoMap) {
   ASSERT_TRUE(warning.ok()) << warning.status();
   EXPECT_FALSE(std::filesystem::exists(folder_.File("map_curvelet.ply")));
   EXPECT_FALSE(std::filesystem::exists(folder_.File("figure_4_map_curvelet.png")));
+}
+
+TEST_F(ReportTest, TheMapIsThinnedToAPointPerCell) {
+  options_.map_cell_m = 1.5;
+  ASSERT_TRUE(WriteReport(evaluation_, dataset_, folder_.path(), options_).ok());
+  EXPECT_THAT(Read("trajectory_curvelet.tum"), HasSubstr("\n1.000000000 1.000000000000 0.001"));
+  const auto map = ReadCloudFile(folder_.File("map_curvelet.ply"));
+  ASSERT_TRUE(map.ok()) << map.status();
+  // The scan is a tilted plane of 400 points, 1 m apart; scan 1 lies 1 m beside scan 0, scan 2 was rejected.
+  std::set<std::array<double, 3>> cells;
+  for (const Eigen::Vector3f& point : map->points) {
+    const Eigen::Vector3d cell = (point.cast<double>() / 1.5).array().floor();
+    EXPECT_TRUE(cells.insert({cell.x(), cell.y(), cell.z()}).second) << "one point per cell";
+  }
+  EXPECT_GT(cells.size(), 200u);
+  EXPECT_LT(cells.size(), 800u);
 }
 
 TEST_F(ReportTest, AFolderThatIsNotThereIsAnError) {

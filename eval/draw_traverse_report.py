@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws the figures of a traverse from the files in its report folder.
 
-Usage: draw_traverse.py FOLDER
+Usage: draw_traverse_report.py FOLDER
 Reads  report.json, map.ply (where there is one)
 Writes figure_1_trajectory.png, figure_2_map.png, figure_3_verdicts.png
 Exits with 77 when matplotlib is missing.
@@ -12,18 +12,10 @@ import json
 import pathlib
 import sys
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    from matplotlib.patches import Ellipse
-except ImportError as error:
-    print(error, file=sys.stderr)
-    sys.exit(77)
-
-import draw_report
+import drawing  # ends the program where matplotlib is missing
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.patches import Ellipse
 
 COLOUR_OF = {"segment_start": "#009E73", "registered": "#0072B2", "prior": "#D55E00"}
 NAME_OF = {"segment_start": "begins a segment", "registered": "registered", "prior": "carried by the prior"}
@@ -75,30 +67,7 @@ def draw_trajectory(folder, report):
         axis.set_ylabel("y [m]")
         axis.grid(alpha=0.3)
         axis.legend()
-    draw_report.save(figure, folder / "figure_1_trajectory.png")
-
-
-def draw_map(folder):
-    path = folder / "map.ply"
-    if not path.exists():
-        return
-    points = draw_report.read_map(path)
-    if len(points) == 0:
-        return
-    points = points[np.argsort(points[:, 2], kind="stable")]  # the highest last, on top
-    low, high = np.percentile(points[:, 2], [1, 99])
-    left, right = np.percentile(points[:, 0], [0.5, 99.5])
-    bottom, top = np.percentile(points[:, 1], [0.5, 99.5])
-    figure, axis = plt.subplots(figsize=(9, 7))
-    drawn = axis.scatter(points[:, 0], points[:, 1], c=points[:, 2], s=0.3, cmap="viridis", vmin=low, vmax=high,
-                         linewidths=0, rasterized=True)
-    axis.set_xlim(left, right)
-    axis.set_ylim(bottom, top)
-    axis.set_aspect("equal", adjustable="box")
-    axis.set_xlabel("x [m]")
-    axis.set_ylabel("y [m]")
-    figure.colorbar(drawn, ax=axis, label="height [m]", shrink=0.8)
-    draw_report.save(figure, folder / "figure_2_map.png")
+    drawing.save(figure, folder / "figure_1_trajectory.png")
 
 
 def draw_verdicts(folder, report):
@@ -123,14 +92,14 @@ def draw_verdicts(folder, report):
     axes[2].set_ylabel("pose")
     axes[2].set_xlabel("scan")
     axes[2].legend(loc="upper right", ncols=3)
-    draw_report.save(figure, folder / "figure_3_verdicts.png")
+    drawing.save(figure, folder / "figure_3_verdicts.png")
 
 
 def main():
     folder = pathlib.Path(sys.argv[1])
     report = json.loads((folder / "report.json").read_text())
     draw_trajectory(folder, report)
-    draw_map(folder)
+    drawing.draw_map(folder / "map.ply", folder / "figure_2_map.png")
     draw_verdicts(folder, report)
 
 

@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws the figures of an evaluation from the files in its report folder.
 
-Usage: draw_report.py FOLDER
+Usage: draw_evaluation.py pairs|traverse FOLDER
 Reads  of pairs:      report.json, distributions.csv, trajectory_*.tum, map_*.ply
-       of a traverse: traverse.json, trajectory_*.tum, map_optimised.ply
+       of a traverse: trajectory_*.tum, map_optimised.ply
 Writes figure_1_errors.png, figure_2_run_time.png (of pairs), figure_3_trajectory.png, figure_4_map_METHOD.png,
        figure_5_drift.png (of a traverse)
 Exits with 77 when matplotlib is missing.
@@ -15,15 +15,9 @@ import json
 import pathlib
 import sys
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-except ImportError as error:
-    print(error, file=sys.stderr)
-    sys.exit(77)
+import drawing  # ends the program where matplotlib is missing
+import matplotlib.pyplot as plt
+import numpy as np
 
 OK_TRANSLATION_M = 0.5
 OK_ROTATION_RAD = 0.1
@@ -31,12 +25,6 @@ OK_ROTATION_RAD = 0.1
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
 # Lines that coincide still show, the later ones being broken.
 STYLES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 2)), (0, (8, 3))]
-
-
-def save(figure, path):
-    # No date in the file: the same results give the same bytes.
-    figure.savefig(path, dpi=110, bbox_inches="tight", metadata={"Software": None})
-    plt.close(figure)
 
 
 def read_distributions(folder):
@@ -55,19 +43,6 @@ def read_trajectory(path):
     rows = [line.split() for line in path.read_text().splitlines() if line and not line.startswith("#")]
     values = np.array(rows, dtype=float).reshape(len(rows), 8)
     return values[:, 0], values[:, 1:4]
-
-
-def read_map(path):
-    """N x 3 points of a binary little-endian PLY with float32 x, y, z alone."""
-    with open(path, "rb") as file:
-        count = 0
-        for line in iter(file.readline, b""):
-            words = line.split()
-            if words[:2] == [b"element", b"vertex"]:
-                count = int(words[2])
-            if words[:1] == [b"end_header"]:
-                break
-        return np.frombuffer(file.read(12 * count), dtype="<f4").reshape(-1, 3)
 
 
 def draw_errors(folder, methods, steps):
@@ -92,7 +67,7 @@ def draw_errors(folder, methods, steps):
         axis.grid(alpha=0.3)
     axes[0].set_ylabel("share of all pairs")
     axes[0].legend(loc="upper left")
-    save(figure, folder / "figure_1_errors.png")
+    drawing.save(figure, folder / "figure_1_errors.png")
 
 
 def draw_run_time(folder, report):
@@ -104,7 +79,7 @@ def draw_run_time(folder, report):
     axis.set_yscale("log")
     axis.set_ylabel("seconds per pair")
     axis.grid(axis="y", alpha=0.3)
-    save(figure, folder / "figure_2_run_time.png")
+    drawing.save(figure, folder / "figure_2_run_time.png")
 
 
 def draw_trajectory(folder, methods):
@@ -122,32 +97,7 @@ def draw_trajectory(folder, methods):
     axis.set_ylabel("y [m]")
     axis.grid(alpha=0.3)
     axis.legend()
-    save(figure, folder / "figure_3_trajectory.png")
-
-
-def draw_map(folder, method):
-    path = folder / f"map_{method}.ply"
-    if not path.exists():
-        return
-    points = read_map(path)
-    if len(points) == 0:
-        return
-    points = points[np.argsort(points[:, 2], kind="stable")]  # the highest last, on top
-    low, high = np.percentile(points[:, 2], [1, 99])
-    # A few far returns must not shrink the ground to a speck.
-    left, right = np.percentile(points[:, 0], [0.5, 99.5])
-    bottom, top = np.percentile(points[:, 1], [0.5, 99.5])
-    figure, axis = plt.subplots(figsize=(9, 7))
-    drawn = axis.scatter(points[:, 0], points[:, 1], c=points[:, 2], s=0.3, cmap="viridis", vmin=low, vmax=high,
-                         linewidths=0, rasterized=True)
-    axis.set_xlim(left, right)
-    axis.set_ylim(bottom, top)
-    axis.set_aspect("equal", adjustable="box")
-    axis.set_xlabel("x [m]")
-    axis.set_ylabel("y [m]")
-    axis.set_title(method)
-    figure.colorbar(drawn, ax=axis, label="height [m]", shrink=0.8)
-    save(figure, folder / f"figure_4_map_{method}.png")
+    drawing.save(figure, folder / "figure_3_trajectory.png")
 
 
 def draw_drift(folder, names):
@@ -168,17 +118,14 @@ def draw_drift(folder, names):
     axis.set_ylabel("error of the position [mm]")
     axis.grid(alpha=0.3)
     axis.legend()
-    save(figure, folder / "figure_5_drift.png")
+    drawing.save(figure, folder / "figure_5_drift.png")
 
 
-def main():
-    folder = pathlib.Path(sys.argv[1])
-    if not (folder / "report.json").exists():
-        names = ["tracked", "optimised"]
-        draw_trajectory(folder, names)
-        draw_map(folder, "optimised")
-        draw_drift(folder, names)
-        return
+def draw_map(folder, name):
+    drawing.draw_map(folder / f"map_{name}.ply", folder / f"figure_4_map_{name}.png", name)
+
+
+def draw_pairs(folder):
     report = json.loads((folder / "report.json").read_text())
     methods = [m["method"] for m in report["methods"]]
     draw_errors(folder, methods, read_distributions(folder))
@@ -188,5 +135,12 @@ def main():
         draw_map(folder, method)
 
 
+def draw_traverse(folder):
+    names = ["tracked", "optimised"]
+    draw_trajectory(folder, names)
+    draw_map(folder, "optimised")
+    draw_drift(folder, names)
+
+
 if __name__ == "__main__":
-    main()
+    {"pairs": draw_pairs, "traverse": draw_traverse}[sys.argv[1]](pathlib.Path(sys.argv[2]))

@@ -1,20 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "eval/traverse_report.h"
+#include "eval/traverse_evaluation_report.h"
 
 #include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/files/atomic_file.h"
-#include "client/files/cloud_file.h"
 #include "client/files/result_json.h"
-#include "client/files/trajectory_file.h"
 #include "eval/distribution.h"
-#include "eval/merged_map.h"
+#include "eval/report_files.h"
 #include "eval/report_html.h"
 #include "eval/report_pictures.h"
 
@@ -114,14 +111,6 @@ std::vector<std::optional<RigidTransform>> PlacedPoses(const MeasuredTrajectory&
   return placed;
 }
 
-absl::Status WritePoses(const std::string& path, const std::vector<std::optional<RigidTransform>>& T_world_scan) {
-  std::vector<StampedPose> poses;  // the scan's number in place of a time
-  for (std::size_t i = 0; i < T_world_scan.size(); ++i) {
-    if (T_world_scan[i]) poses.push_back({.timestamp_s = static_cast<double>(i), .T_world_scan = *T_world_scan[i]});
-  }
-  return WriteTrajectoryFile(path, poses);
-}
-
 }  // namespace
 
 std::string TraverseEvaluationJson(const TraverseEvaluation& evaluation, int indent) {
@@ -153,31 +142,17 @@ std::string TraverseEvaluationText(const TraverseEvaluation& evaluation) {
   return text;
 }
 
-absl::StatusOr<std::string> WriteTraverseReport(const TraverseEvaluation& evaluation, const Dataset& dataset,
-                                                const std::string& folder, const ReportOptions& options) {
+absl::StatusOr<std::string> WriteTraverseEvaluationReport(const TraverseEvaluation& evaluation, const Dataset& dataset,
+                                                          const std::string& folder, const ReportOptions& options) {
   const auto optimised = PlacedPoses(evaluation.optimised, dataset);
   absl::Status status = WriteFileAtomically(folder + "/traverse.json", TraverseEvaluationJson(evaluation, 1) + "\n");
-  status.Update(WritePoses(folder + "/trajectory_truth.tum", dataset.T_world_scan));
-  status.Update(WritePoses(folder + "/trajectory_tracked.tum", PlacedPoses(evaluation.tracked, dataset)));
-  status.Update(WritePoses(folder + "/trajectory_optimised.tum", optimised));
+  status.Update(WriteScanPoses(folder + "/trajectory_truth.tum", dataset.T_world_scan));
+  status.Update(WriteScanPoses(folder + "/trajectory_tracked.tum", PlacedPoses(evaluation.tracked, dataset)));
+  status.Update(WriteScanPoses(folder + "/trajectory_optimised.tum", optimised));
+  if (status.ok()) status = WriteMergedMap(folder + "/map_optimised.ply", dataset, optimised, options);
   if (!status.ok()) return status;
-  MergedMap map(options.map_cell_m);
-  for (std::size_t i = 0; i < optimised.size(); ++i) {
-    if (!optimised[i]) continue;
-    const absl::StatusOr<Scan> scan = options.load_scan(dataset.scan_paths[i]);
-    if (!scan.ok()) return scan.status();
-    map.Add(*scan, *optimised[i]);
-  }
-  status = WriteCloudFile(folder + "/map_optimised.ply", map.Points());
-  if (!status.ok()) return status;
-  const DrawnPictures drawn = DrawReportPictures(folder, options.figures);
-  status = WriteFileAtomically(folder + "/report.html", HtmlPage({.title = "Traverse of " + evaluation.dataset,
-                                                                  .summary = TableHtml(evaluation),
-                                                                  .note = drawn.warning,
-                                                                  .pictures = drawn.pictures,
-                                                                  .details = ""}));
-  if (!status.ok()) return status;
-  return drawn.warning;
+  return WritePage(folder, options.figures, Drawing::kTraverseEvaluation,
+                   {.title = "Traverse of " + evaluation.dataset, .summary = TableHtml(evaluation)});
 }
 
 }  // namespace curvereg

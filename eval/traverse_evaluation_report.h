@@ -7,8 +7,8 @@
 //   map_optimised.ply                                      the scans merged at the optimised poses, thinned
 //   figure_*.png, report.html                              the pictures, and everything in one page
 // Estimates are those of the segment that was measured.
-#ifndef CURVEREG_EVAL_TRAVERSE_REPORT_H_
-#define CURVEREG_EVAL_TRAVERSE_REPORT_H_
+#ifndef CURVEREG_EVAL_TRAVERSE_EVALUATION_REPORT_H_
+#define CURVEREG_EVAL_TRAVERSE_EVALUATION_REPORT_H_
 
 #include <string>
 
@@ -25,9 +25,9 @@ std::string TraverseEvaluationJson(const TraverseEvaluation& evaluation, int ind
 std::string TraverseEvaluationText(const TraverseEvaluation& evaluation);
 
 // As WriteReport of report.h.
-absl::StatusOr<std::string> WriteTraverseReport(const TraverseEvaluation& evaluation, const Dataset& dataset,
-                                                const std::string& folder, const ReportOptions& options);
+absl::StatusOr<std::string> WriteTraverseEvaluationReport(const TraverseEvaluation& evaluation, const Dataset& dataset,
+                                                          const std::string& folder, const ReportOptions& options);
 
 }  // namespace curvereg
 
-#endif  // CURVEREG_EVAL_TRAVERSE_REPORT_H_
+#endif  // CURVEREG_EVAL_TRAVERSE_EVALUATION_REPORT_H_
