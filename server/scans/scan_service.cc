@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scans/scan_service.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "server/scans/scan_conversion.h"
-#include "wire/error.h"
+#include "server/store/page_token.h"
 #include "wire/timestamp.h"
 
 namespace curvereg::server {
@@ -17,9 +16,6 @@ constexpr MethodTraits kGetUpload = {kService, "GetUpload", Scope::kRead};
 constexpr MethodTraits kGetScan = {kService, "GetScan", Scope::kRead};
 constexpr MethodTraits kListScans = {kService, "ListScans", Scope::kRead};
 constexpr MethodTraits kDeleteScan = {kService, "DeleteScan", Scope::kWrite};
-
-constexpr int kDefaultPageSize = 100;
-constexpr int kMaxPageSize = 1000;
 
 absl::Status GetUploadWork(ScanStore& store, const v1::GetUploadRequest& request, v1::GetUploadResponse& response) {
   const absl::StatusOr<std::string> id = UploadIdOf(request.upload(), "upload");
@@ -43,9 +39,9 @@ absl::Status GetScanWork(ScanStore& store, const v1::GetScanRequest& request, v1
 }
 
 absl::Status ListScansWork(ScanStore& store, const v1::ListScansRequest& request, v1::ListScansResponse& response) {
-  if (request.page_size() < 0) return wire::FieldError("page_size", "must not be below 0");
-  const int page_size = request.page_size() == 0 ? kDefaultPageSize : std::min(request.page_size(), kMaxPageSize);
-  absl::StatusOr<ScanPage> page = store.ListScans(page_size, request.page_token());
+  const absl::StatusOr<int> page_size = PageSize(request.page_size());
+  if (!page_size.ok()) return page_size.status();
+  absl::StatusOr<ScanPage> page = store.ListScans(*page_size, request.page_token());
   if (!page.ok()) return page.status();
   for (const StoredScan& scan : page->scans) *response.add_scans() = ToWire(scan);
   response.set_next_page_token(std::move(page->next_page_token));

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/page_token.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "wire/digest.h"
+#include "wire/error.h"
 
 namespace curvereg::server {
 namespace {
@@ -28,6 +30,18 @@ std::optional<int64_t> PlaceOfToken(const std::string& token) {
   // What reads as a number and is written the same, checksum and all, is ours.
   if (error != std::errc() || place < 0 || TokenOfPlace(place) != token) return std::nullopt;
   return place;
+}
+
+absl::StatusOr<int64_t> PlaceOf(const std::string& page_token, int64_t first) {
+  if (page_token.empty()) return first;
+  const std::optional<int64_t> place = PlaceOfToken(page_token);
+  if (!place.has_value()) return wire::FieldError("page_token", "not one of this server's");
+  return *place;
+}
+
+absl::StatusOr<int> PageSize(int wanted, int standard) {
+  if (wanted < 0) return wire::FieldError("page_size", "must not be below 0");
+  return wanted == 0 ? standard : std::min(wanted, kMaxPageSize);
 }
 
 }  // namespace curvereg::server

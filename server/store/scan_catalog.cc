@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/scan_catalog.h"
 
-#include <chrono>
 #include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "server/store/catalog_schema.h"
+#include "wire/timestamp.h"
 
 namespace curvereg::server {
 namespace {
@@ -17,15 +17,6 @@ constexpr std::string_view kScanColumns =
     "FROM scans ";
 
 std::string ScanQuery(std::string_view rest) { return std::string(kScanColumns).append(rest); }
-
-int64_t Nanoseconds(std::chrono::system_clock::time_point time) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
-}
-
-std::chrono::system_clock::time_point TimeOf(int64_t nanoseconds) {
-  return std::chrono::system_clock::time_point(
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(std::chrono::nanoseconds(nanoseconds)));
-}
 
 // The row in the order of kScanColumns. A header that cannot be read comes as far as it goes: the scan's id tells.
 CatalogedScan ScanOf(const SqlStatement& row) {
@@ -38,7 +29,7 @@ CatalogedScan ScanOf(const SqlStatement& row) {
   result.scan.payload_digest.set_value(row.Bytes(4));
   result.scan.finite_point_count = static_cast<uint64_t>(row.Integer(5));
   result.scan.content_digest = row.Bytes(6);
-  result.scan.create_time = TimeOf(row.Integer(7));
+  result.scan.create_time = wire::TimePointOf(row.Integer(7));
   return result;
 }
 
@@ -88,7 +79,7 @@ absl::Status ScanCatalog::AddScan(const StoredScan& scan, const std::string& upl
       "INSERT INTO scans(id, header, payload_bytes, payload_digest, finite_point_count, content_digest, "
       "create_time_ns) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7)",
       {scan.id, SqlBlob{header}, static_cast<int64_t>(scan.payload_bytes), SqlBlob{scan.payload_digest.value()},
-       static_cast<int64_t>(scan.finite_point_count), scan.content_digest, Nanoseconds(scan.create_time)});
+       static_cast<int64_t>(scan.finite_point_count), scan.content_digest, wire::NanosecondsOf(scan.create_time)});
   if (status.ok()) status = writer_.Execute("DELETE FROM uploads WHERE id=?1", {upload_id});
   return status.ok() ? transaction->Commit() : status;
 }

@@ -23,7 +23,6 @@ constexpr char kDatabaseName[] = "/curvereg.db";
 constexpr char kPayloadsName[] = "/payloads";
 constexpr char kSpareName[] = "/spare";
 constexpr char kUploadsName[] = "/uploads";
-constexpr int kMaxPageSize = 1000;
 constexpr int64_t kNewest = std::numeric_limits<int64_t>::max();
 
 absl::Status NotFound(const std::string& scan_id) {
@@ -173,14 +172,10 @@ absl::StatusOr<std::string> ScanStoreImpl::ReadWholePayload(const std::string& s
 }
 
 absl::StatusOr<ScanPage> ScanStoreImpl::ListScans(int page_size, const std::string& page_token) {
-  int64_t before = kNewest;
-  if (!page_token.empty()) {
-    const std::optional<int64_t> place = PlaceOfToken(page_token);
-    if (!place.has_value()) return wire::FieldError("page_token", "not one of this server's");
-    before = *place;
-  }
+  const absl::StatusOr<int64_t> before = PlaceOf(page_token, kNewest);
+  if (!before.ok()) return before.status();
   const int num_wanted = std::clamp(page_size, 1, kMaxPageSize);
-  absl::StatusOr<std::vector<CatalogedScan>> scans = folder_.catalog->ListScans(before, num_wanted + 1);
+  absl::StatusOr<std::vector<CatalogedScan>> scans = folder_.catalog->ListScans(*before, num_wanted + 1);
   if (!scans.ok()) return scans.status();
   ScanPage page;
   if (scans->size() > static_cast<std::size_t>(num_wanted)) {

@@ -4,7 +4,6 @@
 
 #include <google/protobuf/util/message_differencer.h>
 
-#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <limits>
@@ -29,23 +28,8 @@ namespace curvereg::server {
 namespace {
 
 constexpr char kDatabaseName[] = "/traverses.sqlite";
-constexpr int kDefaultPageSize = 100;
-constexpr int kMaxPageSize = 1000;
 
 using EnginePointer = std::shared_ptr<TraverseEngine>;
-
-absl::StatusOr<int> PageSize(int wanted, int standard) {
-  if (wanted < 0) return wire::FieldError("page_size", "must not be below 0");
-  return wanted == 0 ? standard : std::min(wanted, kMaxPageSize);
-}
-
-// The place in a token; `first` for none.
-absl::StatusOr<int64_t> PlaceOf(const std::string& page_token, int64_t first) {
-  if (page_token.empty()) return first;
-  const std::optional<int64_t> place = PlaceOfToken(page_token);
-  if (!place.has_value()) return wire::FieldError("page_token", "not one of this server's");
-  return *place;
-}
 
 class TraversesImpl final : public Traverses {
  public:
@@ -198,7 +182,7 @@ absl::StatusOr<v1::Traverse> TraversesImpl::Get(const std::string& name) {
 }
 
 absl::StatusOr<v1::ListTraversesResponse> TraversesImpl::List(const v1::ListTraversesRequest& request) {
-  const absl::StatusOr<int> page_size = PageSize(request.page_size(), kDefaultPageSize);
+  const absl::StatusOr<int> page_size = PageSize(request.page_size());
   if (!page_size.ok()) return page_size.status();
   const absl::StatusOr<int64_t> before = PlaceOf(request.page_token(), std::numeric_limits<int64_t>::max());
   if (!before.ok()) return before.status();
