@@ -10,10 +10,9 @@
 #include <system_error>
 #include <utility>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "client/files/cloud_file.h"
 #include "client/files/file_bytes.h"
+#include "client/files/scan_files.h"
 #include "client/files/trajectory_file.h"
 #include "eval/dataset_text.h"
 
@@ -26,46 +25,15 @@ constexpr uint64_t kMaxTextBytes = uint64_t{1} << 30;
 
 using ScanIndex = std::map<std::string, std::size_t>;
 
-// Text files beside the scans that are not scans.
-bool IsNote(const fs::path& path) {
-  const std::string stem = absl::AsciiStrToLower(path.stem().string());
-  return stem.starts_with("readme") || stem.starts_with("poses") || stem.starts_with("pairs") ||
-         stem.starts_with("licen") || stem.starts_with("trajectory");
-}
-
-bool IsTxt(const fs::path& path) { return absl::AsciiStrToLower(path.extension().string()) == ".txt"; }
-
-// Files with the ending of a cloud, in name order. Notes are left out, and text files where there are others.
-absl::StatusOr<std::vector<fs::path>> FindScans(const std::string& folder) {
-  std::error_code error;
-  std::vector<fs::path> paths;
-  fs::directory_iterator entry(folder, error);
-  if (error) return ErrnoStatus(folder, "cannot read the folder", error.value());
-  while (entry != fs::directory_iterator()) {
-    const fs::path path = entry->path();
-    const bool is_scan = HasCloudEnding(path.string()) && !path.filename().string().starts_with('.') && !IsNote(path);
-    if (is_scan && !entry->is_directory(error)) paths.push_back(path);
-    entry.increment(error);
-    if (error) return ErrnoStatus(folder, "cannot read the folder", error.value());
-  }
-  if (std::any_of(paths.begin(), paths.end(), [](const fs::path& path) { return !IsTxt(path); })) {
-    std::erase_if(paths, IsTxt);
-  }
-  std::sort(paths.begin(), paths.end(),
-            [](const fs::path& a, const fs::path& b) { return a.stem().string() < b.stem().string(); });
-  if (paths.empty()) return absl::InvalidArgumentError(absl::StrCat(folder, ": holds no scans"));
-  return paths;
-}
-
-absl::StatusOr<ScanIndex> ListScans(const std::vector<fs::path>& paths, Dataset& dataset) {
+absl::StatusOr<ScanIndex> ListScans(const std::vector<std::string>& paths, Dataset& dataset) {
   ScanIndex index;
-  for (const fs::path& path : paths) {
-    const std::string name = path.stem().string();
+  for (const std::string& path : paths) {
+    const std::string name = fs::path(path).stem().string();
     if (!index.emplace(name, dataset.scan_names.size()).second) {
-      return absl::InvalidArgumentError(absl::StrCat(path.string(), ": another scan in the folder has this name too"));
+      return absl::InvalidArgumentError(absl::StrCat(path, ": another scan in the folder has this name too"));
     }
     dataset.scan_names.push_back(name);
-    dataset.scan_paths.push_back(path.string());
+    dataset.scan_paths.push_back(path);
   }
   dataset.T_world_scan.resize(dataset.scan_names.size());
   return index;
@@ -144,8 +112,9 @@ void Thin(int take, std::vector<ScanPair>& pairs) {
 absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelection& selection) {
   if (selection.every < 1) return absl::InvalidArgumentError("every: must be at least 1");
   if (selection.take < 1) return absl::InvalidArgumentError("take: must be at least 1");
-  const absl::StatusOr<std::vector<fs::path>> paths = FindScans(folder);
+  const absl::StatusOr<std::vector<std::string>> paths = ScanFilesIn(folder);
   if (!paths.ok()) return paths.status();
+  if (paths->empty()) return absl::InvalidArgumentError(absl::StrCat(folder, ": holds no scans"));
   Dataset dataset;
   dataset.folder = folder;
   const absl::StatusOr<ScanIndex> index = ListScans(*paths, dataset);
@@ -158,7 +127,8 @@ absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelecti
   if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
   if (!pairs.ok() && !absl::IsNotFound(pairs.status())) return pairs.status();
   std::error_code error;  // strangers.txt names pairs, too, though none that could be registered (strangers.h)
-  if (!poses.ok() && !pairs.ok() && !fs::exists(fs::path(folder) / "strangers.txt", error)) {
+  const bool has_truth = poses.ok() || pairs.ok() || fs::exists(fs::path(folder) / "strangers.txt", error);
+  if (selection.needs_truth && !has_truth) {
     return absl::NotFoundError(absl::StrCat(folder, ": has neither pairs.txt nor poses.txt"));
   }
   if (poses.ok()) {

@@ -33,6 +33,7 @@ struct PairSelection {
   int every = 1;             // with poses.txt: scan i + every registered onto scan i
   int take = 1;              // of the pairs so selected, every N-th from the first
   double min_overlap = 0.0;  // with pairs.txt: pairs of known overlap below it are left out
+  bool needs_truth = true;   // NOT_FOUND without one of the files; false: then there are no pairs
 };
 
 // pairs.txt: per line `source target overlap ...` and, as the last 16 numbers, row-major T_target_source.

@@ -42,7 +42,8 @@ constexpr char kExamples[] =
 `source target` that share no ground: accepting one is wrong.
 
 --mode pairs registers the pairs one by one. --mode traverse tracks the scans in name order as one drive and then
-optimises it, in this process, with the first of the methods; it needs poses.txt for errors.
+optimises it, in this process, with the first of the methods. Errors need a poses.txt; without truth the sharpness of
+the map is measured.
 
 Exit status: 0 done (whatever the figures), 1 internal fault or interrupted, 2 bad arguments or input, 4 server
 unreachable or it refused.
@@ -100,7 +101,8 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
 
 ExitCode RunTraverse(const Arguments& arguments, const Dataset& dataset, Method method, const CliContext& context) {
   if (!arguments.server.server.empty()) {
-    return ReportError(absl::InvalidArgumentError("--mode traverse measures in this process; leave out --server"));
+    return ReportError(absl::InvalidArgumentError(
+        "--mode traverse measures in this process; leave out --server, or overrule CURVEREG_SERVER by --server \"\""));
   }
   TraverseEvaluationOptions options;
   options.tracking.registration = RegistrationOf(arguments, context);
@@ -125,7 +127,9 @@ ExitCode RunTraverse(const Arguments& arguments, const Dataset& dataset, Method 
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
   const absl::StatusOr<std::vector<Method>> methods = ParseMethods(arguments.methods);
   if (!methods.ok()) return ReportError(methods.status());
-  const absl::StatusOr<Dataset> dataset = LoadDataset(arguments.dataset, arguments.selection);
+  PairSelection selection = arguments.selection;
+  selection.needs_truth = arguments.mode == "pairs";
+  const absl::StatusOr<Dataset> dataset = LoadDataset(arguments.dataset, selection);
   if (!dataset.ok()) return ReportError(dataset.status());
   const absl::Status folder = PrepareOutputFolder(arguments.out);
   if (!folder.ok()) return ReportError(folder);

@@ -8,8 +8,7 @@
 #include <mutex>
 #include <system_error>
 
-#include "absl/strings/str_cat.h"
-#include "client/files/cloud_file.h"
+#include "client/files/scan_files.h"
 
 namespace curvereg::cli {
 namespace {
@@ -19,17 +18,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPoll(100);
 
-// Text files beside the scans of a data set that are not scans.
-bool IsNote(const std::string& name) {
-  return name.starts_with("poses") || name.starts_with("pairs") || name.starts_with("strangers") ||
-         name.starts_with("trajectory") || name.starts_with("odometry") || name.starts_with("README");
-}
-
-bool IsSameFile(const fs::path& path, const std::string& other) {
-  std::error_code error;
-  return !other.empty() && fs::equivalent(path, other, error);
-}
-
 }  // namespace
 
 void SleepOrStop(std::chrono::milliseconds time, const std::stop_token& stop) {
@@ -37,23 +25,6 @@ void SleepOrStop(std::chrono::milliseconds time, const std::stop_token& stop) {
   std::condition_variable_any woken;
   std::unique_lock lock(mutex);
   woken.wait_for(lock, stop, time, [] { return false; });
-}
-
-absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder, const std::string& except) {
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) {
-    if (fs::exists(folder, error)) return absl::InvalidArgumentError(absl::StrCat(folder, ": is not a folder"));
-    return absl::NotFoundError(absl::StrCat(folder, ": no such folder"));
-  }
-  std::vector<std::string> files;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.starts_with('.') || !HasCloudEnding(name) || IsNote(name) || IsSameFile(entry->path(), except)) continue;
-    files.push_back(entry->path().string());
-  }
-  if (error) return absl::PermissionDeniedError(absl::StrCat(folder, ": cannot be read: ", error.message()));
-  std::sort(files.begin(), files.end());
-  return files;
 }
 
 absl::StatusOr<std::string> GrowingFolder::Look() {
@@ -67,7 +38,7 @@ absl::StatusOr<std::string> GrowingFolder::Look() {
     if (error) continue;  // gone meanwhile
     auto [found, is_new] = seen_.try_emplace(file, Seen{size, now});
     Seen& seen = found->second;
-    if (is_new && file < last_given_) {
+    if (is_new && !last_given_.empty() && ComesBefore(file, last_given_)) {
       ++num_late_;
       seen.given = true;
     }

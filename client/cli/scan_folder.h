@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The scans of a folder in name order, also of one that grows.
+// The scans of a folder that grows, in name order.
 #ifndef CURVEREG_CLIENT_CLI_SCAN_FOLDER_H_
 #define CURVEREG_CLIENT_CLI_SCAN_FOLDER_H_
 
@@ -19,10 +19,6 @@ namespace curvereg::cli {
 
 // Returns early once the stop is requested.
 void SleepOrStop(std::chrono::milliseconds time, const std::stop_token& stop);
-
-// Paths of the cloud files in the folder, in name order; notes (poses.txt, README.txt, ...) and the file `except`
-// (empty: none) are left out. NOT_FOUND, INVALID_ARGUMENT: no folder.
-absl::StatusOr<std::vector<std::string>> ScanFilesIn(const std::string& folder, const std::string& except = "");
 
 // Gives the files of a folder that others write into, one by one in name order. A file is given once its size has not
 // changed for `settle_time`: whoever writes under another name and renames is on the safe side in any case.

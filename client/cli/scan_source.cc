@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/cli/argument_parsing.h"
 #include "client/cli/cloud_arguments.h"
+#include "client/files/scan_files.h"
 
 namespace curvereg::cli {
 namespace {

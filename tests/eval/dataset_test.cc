@@ -178,6 +178,10 @@ TEST(DatasetTest, RefusesFoldersThatAreNoDataSet) {
   EXPECT_THAT(ErrorOf(folder), HasSubstr("another scan in the folder has this name"));
   std::filesystem::remove(folder.File("a.ply"));
   EXPECT_EQ(ErrorOf(folder), folder.path() + ": has neither pairs.txt nor poses.txt");
+  const auto without_truth = LoadDataset(folder.path(), {.needs_truth = false});
+  ASSERT_TRUE(without_truth.ok()) << without_truth.status();
+  EXPECT_EQ(without_truth->scan_names.size(), 1U);
+  EXPECT_TRUE(without_truth->pairs.empty());
   EXPECT_TRUE(absl::IsNotFound(LoadDataset(folder.File("none")).status()));
   EXPECT_TRUE(absl::IsNotFound(LoadDataset(folder.File("a.pcd")).status())) << "a file is no folder";
   EXPECT_TRUE(absl::IsInvalidArgument(LoadDataset(folder.path(), {.every = 0}).status()));

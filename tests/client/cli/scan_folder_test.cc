@@ -16,21 +16,8 @@ namespace curvereg::cli {
 namespace {
 
 using std::chrono::milliseconds;
-using ::testing::ElementsAre;
 
 void Write(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::app) << text; }
-
-TEST(ScanFolderTest, GivesScansInNameOrderWithoutNotes) {
-  const curvereg::testing::TemporaryFolder folder;
-  for (const char* name : {"b.pcd", "a.ply", "poses.txt", "README.txt", ".hidden.pcd", "c.jpg"}) {
-    Write(folder.File(name), "x");
-  }
-  const auto files = ScanFilesIn(folder.path());
-  ASSERT_TRUE(files.ok()) << files.status();
-  EXPECT_THAT(*files, ElementsAre(folder.File("a.ply"), folder.File("b.pcd")));
-  EXPECT_TRUE(absl::IsNotFound(ScanFilesIn(folder.File("nowhere")).status()));
-  EXPECT_TRUE(absl::IsInvalidArgument(ScanFilesIn(folder.File("b.pcd")).status()));
-}
 
 TEST(ScanFolderTest, AGrowingFolderGivesFilesOnceTheyHaveSettled) {
   const curvereg::testing::TemporaryFolder folder;
