@@ -133,7 +133,7 @@ std::vector<uint64_t> ScansToRecognise(const Traverse& traverse, const TrackingO
   const auto most = static_cast<size_t>(std::max(0, options.max_places_in_all / kFewestPlaces));
   std::vector<uint64_t> scans;
   std::set<uint64_t> chosen;
-  for (const size_t third : {0, 3, 1, 2}) {
+  for (const size_t third : {0U, 3U, 1U, 2U}) {
     for (const std::vector<uint64_t>& numbers : segments) {
       const uint64_t number = numbers[third * (numbers.size() - 1) / 3];
       if (scans.size() < most && chosen.insert(number).second) scans.push_back(number);
