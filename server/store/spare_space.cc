@@ -11,8 +11,8 @@
 namespace curvereg::server {
 namespace {
 
-// Some hundred pages of the database's log; a deletion takes about ten.
-constexpr uint64_t kSpareBytes = uint64_t{1} << 20;
+// Of the databases' logs. The deletion of a scan takes some ten pages, that of a traverse 1 kB for each of its scans.
+constexpr uint64_t kSpareBytes = uint64_t{16} << 20;
 
 }  // namespace
 

@@ -84,7 +84,7 @@ class FullDiskTest : public ::testing::Test {
     ASSERT_NE(store_, nullptr);
   }
 
-  testing::SmallDisk disk_{"4m"};
+  testing::SmallDisk disk_{"32m"};
   std::unique_ptr<ScanStore> store_;
 };
 

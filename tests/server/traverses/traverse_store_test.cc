@@ -7,6 +7,7 @@
 
 #include <fstream>
 
+#include "tests/server/store/small_disk.h"
 #include "tests/server/store/store_testing.h"
 
 namespace curvereg::server {
@@ -44,6 +45,48 @@ class TraverseStoreTest : public ::testing::Test {
   testing::TemporaryFolder folder_;
   std::unique_ptr<TraverseStore> store_;
 };
+
+// A step of so many scans, as large as those of a drive are.
+TraverseStep LargeStep(uint64_t num_scans) {
+  TraverseStep step;
+  for (uint64_t i = 0; i < num_scans; ++i) {
+    v1::WatchTraverseResponse& event = step.events.emplace_back();
+    event.set_event(i);
+    event.mutable_result()->set_sequence_number(i);
+    event.mutable_result()->mutable_result()->set_build_id(std::string(6000, 'e'));
+    for (uint64_t k = 0; k < 4; ++k) {
+      StoredLink link{i, k, LinkKind::kNeighbour, {}};
+      link.result.set_build_id(std::string(1500, 'l'));
+      step.links.push_back(link);
+    }
+  }
+  return step;
+}
+
+TEST_F(TraverseStoreTest, RemovesALongTraverseFromAFullDisk) {
+  testing::SmallDisk disk("96m");
+  if (const std::string problem = disk.Mount(); !problem.empty()) GTEST_SKIP() << problem;
+  const std::unique_ptr<ScanStore> scans = OpenStore(disk.File("data"));
+  const std::string path = disk.File("data/traverses.sqlite");
+  auto store = TraverseStore::Open(path);
+  ASSERT_THAT(store, IsOk());
+  TraverseRecord record;
+  record.traverse.set_name("traverses/long");
+  ASSERT_THAT((*store)->AddTraverse(record), IsOk());
+  const TraverseStep step = LargeStep(1500);
+  record.num_links = step.links.size();
+  record.num_events = step.events.size();
+  ASSERT_THAT((*store)->AddStep(record, step), IsOk());
+  store->reset();  // the log is gone
+  store = TraverseStore::Open(path);
+  ASSERT_THAT(store, IsOk());
+  disk.FillUp(0);
+  ASSERT_THAT((*store)->RemoveTraverse(record.number), HasReason(v1::ERROR_REASON_STORAGE_FULL));
+  EXPECT_THAT(scans->WithSpareSpace([&] { return (*store)->RemoveTraverse(record.number); }), IsOk());
+  const auto links = (*store)->Links(record.number);
+  ASSERT_THAT(links, IsOk());
+  EXPECT_THAT(*links, IsEmpty());
+}
 
 // One scan with its pose, link, and two events, one of them a result.
 TraverseStep StepOf(uint64_t sequence_number, uint64_t first_event) {

@@ -371,7 +371,7 @@ TEST(TraversesTest, DeletionForgetsAScanThatIsOnItsWay) {
 
 // A scan cannot be deleted while a traverse uses it: then the traverse must be deletable.
 TEST(TraversesTest, DeletionNeedsNoRoomOnTheDisk) {
-  testing::SmallDisk disk("24m");
+  testing::SmallDisk disk("48m");
   if (const std::string problem = disk.Mount(); !problem.empty()) GTEST_SKIP() << problem;
   TraverseWorld world({.max_threads_per_registration = 2}, disk.File("data"));
   const std::string name = world.Create("gone");
@@ -386,7 +386,7 @@ TEST(TraversesTest, DeletionNeedsNoRoomOnTheDisk) {
 }
 
 TEST(TraversesTest, StaysWhenTheDiskHasNoRoomToDeleteIt) {
-  testing::SmallDisk disk("24m");
+  testing::SmallDisk disk("48m");
   if (const std::string problem = disk.Mount(); !problem.empty()) GTEST_SKIP() << problem;
   TraverseWorld world({.max_threads_per_registration = 2}, disk.File("data"));
   const std::string name = world.Create("kept");
