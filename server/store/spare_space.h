@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Disk space held back for the moment when the disk is full: deleting a scan writes to the log before it frees
-// anything.
+// Disk space held back for the moment when the disk is full: deleting writes to the log before it frees anything.
 #ifndef CURVEREG_SERVER_STORE_SPARE_SPACE_H_
 #define CURVEREG_SERVER_STORE_SPARE_SPACE_H_
 
