@@ -64,7 +64,7 @@ class Documents(unittest.TestCase):
                 self.assertRegex(tests, f"ERROR_REASON_{reason}\\b|\"{reason}\"", "no test goes beyond this limit")
 
     def test_log_events(self):
-        logged = set(re.findall(r'\b[Ll]ogger_?\)?(?:\.|->)(?:Debug|Info|Warning|Error)\("(\w+)"', sources("server")))
+        logged = set(re.findall(r'\b[Ll]ogger_?\)?(?:\.|->)(?:Debug|Info|Warning|Error)\(\s*"(\w+)"', sources("server")))
         logged |= set(re.findall(r'\bWrite\([^"]*"(\w+)"', sources("server", "logging.cc")))
         self.assertGreater(len(logged), 5)
         self.assertEqual(set(names(row[0] for row in rows("Log", 1))), logged)
