@@ -100,7 +100,7 @@ ScanStreamSession::Answer ScanStreamSession::Announce(v1::StreamedScanHeader& he
   // The store knows payloads by XXH3_128 alone; with another digest the transfer tells which scan it is.
   const v1::Digest& digest = scan_->header.payload_digest();
   if (known && digest.algorithm() == v1::DIGEST_ALGORITHM_XXH3_128) {
-    return Complete(ScanId(scan_->header.header(), digest));
+    return AddToTraverse(ScanName(ScanId(scan_->header.header(), digest)));
   }
   return BeginUpload();
 }

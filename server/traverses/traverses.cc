@@ -319,8 +319,11 @@ absl::StatusOr<uint64_t> TraversesImpl::AddScan(const StreamTicket& ticket, cons
   const absl::StatusOr<EnginePointer> engine = Find(TraverseName(ticket.traverse_id));
   if (!engine.ok()) return engine.status();
   const std::lock_guard uses(uses_mutex_);
-  if (const absl::Status stored = environment_.store->GetScan(scan_id).status(); !stored.ok()) return stored;
-  return (*engine)->AddScan(ticket, header, scan_id);
+  bool known = false;
+  if (absl::Status status = (*engine)->CheckScan(ticket, header, &known); !status.ok()) return status;
+  // One that is known may be claimed to be a scan that never was: the engine tells.
+  const absl::Status stored = known ? absl::OkStatus() : environment_.store->GetScan(scan_id).status();
+  return stored.ok() ? (*engine)->AddScan(ticket, header, scan_id) : stored;
 }
 
 absl::StatusOr<std::vector<v1::WatchTraverseResponse>> TraversesImpl::Events(const std::string& name,

@@ -76,6 +76,23 @@ std::string DownloadMap(v1::TraverseService::Stub& stub, const v1::DownloadMapRe
   return bytes;
 }
 
+TEST_F(StreamedDrive, TellsScansApartWhateverTheirDigests) {
+  const v1::PointCloud cloud = server::DriveCloud(0);
+  StreamClient client(*stub_);
+  client.Begin();
+  v1::StreamScansRequest header = StreamHeader(0, cloud);
+  *header.mutable_header()->mutable_payload_digest() = Sha256(cloud.data());
+  client.Send(header);
+  client.Send(StreamChunk(cloud, 0, cloud.data().size()));
+  ASSERT_TRUE(client.ReceiveComplete(0));
+  client.Send(StreamHeader(0, cloud));
+  ASSERT_TRUE(client.ReceiveComplete(0)) << "the same, by another digest";
+  v1::PointCloud other = cloud;
+  other.mutable_data()->front() ^= 1;
+  client.Send(StreamHeader(0, other));
+  EXPECT_EQ(ReasonText(client.End()), "SEQUENCE_DIFFERS");
+}
+
 TEST_F(StreamedDrive, EndsWhenItsTraverseIsDeleted) {
   StreamClient client(*stub_);
   client.Begin();
