@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -106,7 +107,20 @@ std::string Summary(const TraverseRecord& record) {
                       std::string(MethodName(record.traverse.settings.registration.method)), ".</p>\n");
 }
 
+// Of an earlier run: segments are joined, and a map may be no more.
+void RemoveData(const std::string& folder) {
+  std::error_code error;
+  std::vector<fs::path> stale = {fs::path(folder) / "map.ply"};
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_trajectory = name.starts_with("trajectory_") && name.ends_with(".tum");
+    if (is_trajectory && absl::ascii_isdigit(static_cast<unsigned char>(name[11]))) stale.push_back(entry.path());
+  }
+  for (const fs::path& path : stale) fs::remove(path, error);
+}
+
 absl::Status WriteData(const TraverseRecord& record, const std::string& folder) {
+  RemoveData(folder);
   absl::Status status = WriteFileAtomically(folder + "/report.json", RecordJson(record));
   std::set<int> segments;
   for (const TrajectoryPose& pose : record.trajectory.poses) segments.insert(pose.segment);
@@ -117,8 +131,6 @@ absl::Status WriteData(const TraverseRecord& record, const std::string& folder) 
     status.Update(text.ok() ? WriteFileAtomically(absl::StrCat(folder, "/trajectory_", segment, ".tum"), *text)
                             : text.status());
   }
-  std::error_code error;
-  fs::remove(folder + "/map.ply", error);  // of an earlier run
   if (!record.map.empty()) status.Update(WriteCloudFile(folder + "/map.ply", {record.map, std::nullopt}));
   return status;
 }

@@ -4,6 +4,7 @@
 // The built command line's commands about traverses against the built server.
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -179,6 +180,9 @@ TEST_F(TraverseCliTest, TraversesAreListedShownOptimisedAndDeleted) {
 }
 
 TEST_F(TraverseCliTest, ReportsHoldEverything) {
+  fs::create_directory(File("drive-report"));
+  std::ofstream(File("drive-report/trajectory_7.tum")) << "of a segment that was joined since\n";
+  std::ofstream(File("drive-report/trajectory_truth.tum")) << "of an evaluation\n";
   const Finished report = Asking("traverse report drive --out drive-report --json");
   ASSERT_EQ(report.status, 0) << report.err;
   EXPECT_EQ(json::parse(report.out)["num_poses"], kNumScans);
@@ -189,6 +193,8 @@ TEST_F(TraverseCliTest, ReportsHoldEverything) {
   EXPECT_EQ(data["scans"].size(), kNumScans);
   EXPECT_TRUE(data["scans"][1]["position_covariance"].is_array());
   EXPECT_TRUE(fs::exists(File("drive-report/trajectory_0.tum")));
+  EXPECT_FALSE(fs::exists(File("drive-report/trajectory_7.tum")));
+  EXPECT_TRUE(fs::exists(File("drive-report/trajectory_truth.tum")));
   EXPECT_TRUE(fs::exists(File("drive-report/map.ply")));
   if (report.err.find("matplotlib") != std::string::npos) return;  // said aloud by the command
   for (const char* figure : {"figure_1_trajectory.png", "figure_2_map.png", "figure_3_verdicts.png"}) {
