@@ -32,11 +32,12 @@ absl::Status DiffersError(uint64_t sequence_number) {
 }  // namespace
 
 TraverseEngine::TraverseEngine(const Environment& environment, const TraverseRecord& record, std::set<uint64_t> early,
-                               const TrackingOptions& options)
+                               const TrackingOptions& options, std::shared_ptr<TraverseWatchers> watchers)
     : environment_(environment),
       client_(absl::StrCat("traverse/", record.traverse.name())),
       name_(record.traverse.name()),
       num_threads_(options.registration.num_threads),
+      watchers_(std::move(watchers)),
       record_(record),
       early_(std::move(early)),
       work_(environment.work, options) {}

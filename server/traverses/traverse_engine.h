@@ -38,13 +38,14 @@ class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
   };
   // As far as the database has it; `early`: sequence numbers acknowledged beyond the next one.
   TraverseEngine(const Environment& environment, const TraverseRecord& record, std::set<uint64_t> early,
-                 const TrackingOptions& options);
+                 const TrackingOptions& options, std::shared_ptr<TraverseWatchers> watchers);
 
   // Has the next piece of work done, if there is any and none is under way.
   void Kick();
-  // Cancels what runs and waits for it; nothing can be done after it. Streams end with TRAVERSE_NOT_FOUND when the
-  // traverse `is_deleted`.
-  void Close(bool is_deleted);
+  // Cancels what runs and waits for it; nothing can be done after it.
+  void Close();
+  // Ends the stream under way, if any, with WRITER_REPLACED.
+  void EndStream();
 
   TraverseRecord record() const;
   const std::shared_ptr<TraverseWatchers>& watchers() const { return watchers_; }
@@ -89,7 +90,7 @@ class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
   const std::string client_;  // whose turns the work takes
   const std::string name_;
   const int num_threads_;
-  const std::shared_ptr<TraverseWatchers> watchers_ = std::make_shared<TraverseWatchers>();
+  const std::shared_ptr<TraverseWatchers> watchers_;
   const std::stop_source closing_;
 
   mutable std::mutex mutex_;  // held while the database is changed

@@ -23,8 +23,15 @@ namespace {
 constexpr std::chrono::milliseconds kFirstRetry{50};
 constexpr std::chrono::milliseconds kLastRetry{10'000};
 constexpr std::chrono::minutes kMemory{1};  // of what can be read again, while nothing is to be done
+constexpr std::size_t kMaxRequests = 16;    // that wait for their turn
 constexpr int kMaxFailures = 8;             // of one piece of work, then it is given up
 constexpr int kMaxPreempted = 3;            // of what gives way to new scans, then it does not
+
+absl::Status TooManyRequests() {
+  return wire::WithRetryDelay(
+      wire::MakeError(v1::ERROR_REASON_QUEUE_FULL, "too many optimisations of the traverse wait already"),
+      std::chrono::seconds(1));
+}
 
 absl::Status Ended() { return wire::MakeError(v1::ERROR_REASON_CANCELLED, "the traverse was closed or deleted"); }
 
@@ -57,9 +64,10 @@ void TraverseEngine::Optimize(const v1::OptimizeTraverseRequest& request, const 
   waiting->StopWith(stop.cancellation, closing_.get_token());
   {
     std::unique_lock lock(mutex_);
-    if (closed_) {
+    if (closed_ || requests_.size() >= kMaxRequests) {
+      const absl::Status refusal = closed_ ? Ended() : TooManyRequests();
       lock.unlock();
-      waiting->done(Ended());
+      waiting->done(refusal);
       return;
     }
     requests_.push_back(waiting);
@@ -339,20 +347,24 @@ void TraverseEngine::Tell(const TraverseStep& step) const {
   logger.Debug("scan_tracked", fields);
 }
 
-void TraverseEngine::Close(bool is_deleted) {
-  std::stop_source owner(std::nostopstate);
+void TraverseEngine::Close() {
   std::deque<std::shared_ptr<Request>> requests;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     requests = std::exchange(requests_, {});
-    if (is_deleted) owner = std::exchange(owner_, std::stop_source(std::nostopstate));
   }
   std::stop_source(closing_).request_stop();
   for (const std::shared_ptr<Request>& request : requests) request->done(Ended());
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [&] { return !working_; });
+}
+
+void TraverseEngine::EndStream() {
+  std::stop_source owner(std::nostopstate);
   {
-    std::unique_lock lock(mutex_);
-    idle_.wait(lock, [&] { return !working_; });
+    const std::lock_guard lock(mutex_);
+    owner = std::exchange(owner_, std::stop_source(std::nostopstate));
   }
   owner.request_stop();
 }

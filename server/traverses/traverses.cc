@@ -60,7 +60,8 @@ class TraversesImpl final : public Traverses {
 
  private:
   absl::StatusOr<EnginePointer> Find(const std::string& name);
-  absl::StatusOr<EnginePointer> MakeEngine(const TraverseRecord& record);
+  absl::StatusOr<EnginePointer> MakeEngine(const TraverseRecord& record,
+                                           std::shared_ptr<TraverseWatchers> watchers = nullptr);  // new ones
   absl::StatusOr<v1::Traverse> AddTraverse(const v1::CreateTraverseRequest& request, const std::string& name);
   absl::Status RemoveTraverse(const std::string& name);
   void ForgetPartialUploads(const TraverseRecord& record);
@@ -101,7 +102,7 @@ void TraversesImpl::Close() {
     const std::lock_guard lock(mutex_);
     engines = engines_;
   }
-  for (const auto& [name, engine] : engines) engine->Close(false);
+  for (const auto& [name, engine] : engines) engine->Close();
 }
 
 absl::Status TraversesImpl::Load() {
@@ -123,7 +124,9 @@ absl::Status TraversesImpl::Load() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<EnginePointer> TraversesImpl::MakeEngine(const TraverseRecord& record) {
+absl::StatusOr<EnginePointer> TraversesImpl::MakeEngine(const TraverseRecord& record,
+                                                        std::shared_ptr<TraverseWatchers> watchers) {
+  if (watchers == nullptr) watchers = std::make_shared<TraverseWatchers>();
   const absl::StatusOr<TrackingOptions> options =
       FromWire(record.traverse.settings(), environment_.limits.max_threads_per_registration);
   if (!options.ok()) return options.status();
@@ -132,7 +135,7 @@ absl::StatusOr<EnginePointer> TraversesImpl::MakeEngine(const TraverseRecord& re
   if (!beyond.ok()) return beyond.status();
   std::set<uint64_t> early;
   for (const AcknowledgedScan& scan : *beyond) early.insert(scan.header.sequence_number());
-  return std::make_shared<TraverseEngine>(engine_environment_, record, std::move(early), *options);
+  return std::make_shared<TraverseEngine>(engine_environment_, record, std::move(early), *options, std::move(watchers));
 }
 
 absl::StatusOr<EnginePointer> TraversesImpl::Find(const std::string& name) {
@@ -244,13 +247,13 @@ absl::Status TraversesImpl::RemoveTraverse(const std::string& name) {
   const absl::StatusOr<EnginePointer> engine = Find(name);
   if (!engine.ok()) return engine.status();
   const std::shared_ptr<TraverseWatchers> watchers = (*engine)->watchers();
-  (*engine)->Close(false);
+  (*engine)->Close();
   const TraverseRecord record = (*engine)->record();
   const absl::Status status = environment_.store->WithSpareSpace([&] { return store_->RemoveTraverse(record.number); });
   if (!status.ok()) {
-    // It is still there; those who watched or streamed begin anew.
-    (*engine)->Close(true);
-    if (absl::StatusOr<EnginePointer> again = MakeEngine(record); again.ok()) {
+    // It is still there: who watches goes on, who streams begins anew.
+    (*engine)->EndStream();
+    if (absl::StatusOr<EnginePointer> again = MakeEngine(record, watchers); again.ok()) {
       const std::lock_guard lock(mutex_);
       engines_[name] = *std::move(again);
     }

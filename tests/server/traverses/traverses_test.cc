@@ -460,5 +460,36 @@ TEST(TraversesTest, AnOptimizationThatIsNotWantedAnyMoreIsDropped) {
   free.count_down();
 }
 
+TEST(TraversesTest, RefusesOptimisationsThatWouldPileUp) {
+  TraverseWorld world;
+  world.Reopen(1);
+  const std::string name = world.Create("drive");
+  std::latch busy(1), free(1);
+  ASSERT_THAT(world.pool().Submit({.client = "other",
+                                   .cancellation = {},
+                                   .run =
+                                       [&](std::chrono::nanoseconds) {
+                                         busy.count_down();
+                                         free.wait();
+                                       },
+                                   .drop = [](const absl::Status&) {}}),
+              IsOk());
+  busy.wait();
+  v1::OptimizeTraverseRequest request;
+  request.set_name(name);
+  constexpr int kAsked = 100;
+  std::atomic<int> num_done = 0, num_refused = 0;
+  for (int i = 0; i < kAsked; ++i) {
+    world->Optimize(request, "client", {}, [&](const auto& answer) {
+      if (answer.ok()) ++num_done;
+      if (wire::ReasonOf(answer.status()) == v1::ERROR_REASON_QUEUE_FULL) ++num_refused;
+    });
+  }
+  EXPECT_GE(num_refused, kAsked / 2);
+  free.count_down();
+  EXPECT_TRUE(BecomesTrue([&] { return num_done + num_refused == kAsked; }));
+  EXPECT_GE(num_done, 2);
+}
+
 }  // namespace
 }  // namespace curvereg::server
