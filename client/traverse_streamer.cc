@@ -48,6 +48,8 @@ class Streamer final : public ScanStreamer {
     return *queue_.ended;
   }
 
+  std::stop_token ended() const override { return ended_.get_token(); }
+
   StreamProgress progress() const override {
     const std::lock_guard lock(queue_.mutex);
     return queue_.progress;
@@ -76,6 +78,7 @@ class Streamer final : public ScanStreamer {
           .Run(
               connection_, channel, limits, [this] { Tell(); }, [&] { retrier.NoteProgress(); });
     });
+    ended_.request_stop();
     const std::lock_guard lock(queue_.mutex);
     queue_.ended = status;
     queue_.changed.notify_all();
@@ -108,6 +111,7 @@ class Streamer final : public ScanStreamer {
   mutable TraverseSendQueue queue_;
   bool is_first_ = true;  // guarded by the queue's mutex
   std::stop_source stop_;
+  std::stop_source ended_;
   std::stop_callback<RequestStop> cancel_;
   std::jthread thread_;
 };

@@ -70,6 +70,8 @@ class ScanStreamer {
   virtual absl::Status Send(StreamedScan scan) = 0;
   // Waits until all scans are acknowledged and the results of all scans of the traverse up to the last are delivered.
   virtual absl::Status Finish() = 0;
+  // Requested when the streamer ends, by an error above all: who waits for the next scan need not. Finish tells why.
+  virtual std::stop_token ended() const = 0;
   virtual StreamProgress progress() const = 0;
 };
 

@@ -151,7 +151,11 @@ absl::Status Run(const Stream& stream, StreamAccount& account, const CliContext&
   if (!source.is_endless()) options.cancellation = context.interrupted;
   absl::StatusOr<std::unique_ptr<ScanStreamer>> streamer = client.Stream(traverse.name, options);
   if (!streamer.ok()) return streamer.status();
-  const absl::Status sent = SendAll(**streamer, source, arguments, context);
+  // A watched folder may be silent for long after the server has gone.
+  std::stop_source over;
+  const std::stop_callback interrupt(context.interrupted, [&over] { over.request_stop(); });
+  const std::stop_callback end((*streamer)->ended(), [&over] { over.request_stop(); });
+  const absl::Status sent = SendAll(**streamer, source, arguments, {.interrupted = over.get_token()});
   if (source.num_late() > 0) {
     ReportWarning(absl::StrCat(source.num_late(), " files came too late: their names lie before others sent"));
   }

@@ -87,7 +87,9 @@ TEST(TraverseStreamTest, BringsScansOverAndResultsBack) {
   ASSERT_TRUE((*streamer)->Send(first).ok());
   ASSERT_TRUE((*streamer)->Send(ScanNumber(1)).ok());
   EXPECT_TRUE(absl::IsInvalidArgument((*streamer)->Send(ScanNumber(3)))) << "a gap";
+  EXPECT_FALSE((*streamer)->ended().stop_requested());
   const absl::Status finished = (*streamer)->Finish();
+  EXPECT_TRUE((*streamer)->ended().stop_requested());
   EXPECT_TRUE(finished.ok()) << finished;
   EXPECT_FALSE((*streamer)->Send(ScanNumber(2)).ok()) << "after Finish";
   EXPECT_EQ(diary.results, Numbers(0, 2));
