@@ -5,19 +5,14 @@
 #include <algorithm>
 
 #include "core/register_scans.h"
+#include "core/stop_status.h"
 
 namespace curvereg {
-
-absl::Status StopStatus(const Stop& stop) {
-  if (stop.Cancelled()) return absl::CancelledError("work on the traverse was cancelled");
-  if (stop.PastDeadline()) return absl::DeadlineExceededError("work on the traverse ran out of time");
-  return absl::OkStatus();
-}
 
 absl::StatusOr<TraverseLink> RegisterLink(const PreparedScan& source, const LinkRequest& request,
                                           const TraverseScanLoader& load, const RegistrationOptions& options,
                                           const Stop& stop) {
-  if (absl::Status status = StopStatus(stop); !status.ok()) return status;
+  if (absl::Status status = StopStatus(stop, "work on the traverse"); !status.ok()) return status;
   const absl::StatusOr<std::shared_ptr<const PreparedScan>> target = load(request.target, stop);
   if (!target.ok()) return target.status();
   RegistrationOptions own = options;
@@ -26,7 +21,7 @@ absl::StatusOr<TraverseLink> RegisterLink(const PreparedScan& source, const Link
   if (stop.deadline.has_value()) own.deadline = std::min(*stop.deadline, options.deadline.value_or(*stop.deadline));
   absl::StatusOr<RegistrationResult> result = RegisterPreparedScans(source, **target, own);
   if (!result.ok()) return result.status();
-  if (absl::Status status = StopStatus(stop); !status.ok()) return status;
+  if (absl::Status status = StopStatus(stop, "work on the traverse"); !status.ok()) return status;
   return TraverseLink{request.source, request.target, request.kind, *std::move(result)};
 }
 

@@ -35,9 +35,6 @@ inline constexpr int kMaxNotKept = 50;
 // The scans that have a link with this one, accepted or not.
 std::set<uint64_t> LinkedPartners(const Traverse& traverse, uint64_t sequence_number);
 
-// OK, or why work must end: CANCELLED, DEADLINE_EXCEEDED.
-absl::Status StopStatus(const Stop& stop);
-
 }  // namespace curvereg
 
 #endif  // CURVEREG_CORE_MAPPING_LINK_REGISTRATION_H_

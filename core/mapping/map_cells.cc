@@ -14,6 +14,7 @@
 #include "core/mapping/cell_store.h"
 #include "core/mapping/seen_through.h"
 #include "core/mapping/tile_index.h"
+#include "core/stop_status.h"
 
 namespace curvereg {
 namespace {
@@ -24,12 +25,6 @@ constexpr std::size_t kPointsPerQuestion = 65536;
 constexpr std::size_t kCellsPerPiece = 8192;
 // Of the cells that fit, how many a further pass aims at: what it misses is cut, and done once more.
 constexpr double kAim = 0.75;
-
-absl::Status StopStatus(const Stop& stop) {
-  if (stop.Cancelled()) return absl::CancelledError("the map was cancelled");
-  if (stop.PastDeadline()) return absl::DeadlineExceededError("the map ran out of time");
-  return absl::OkStatus();
-}
 
 absl::Status Validate(const MapInput& input, const PointMapOptions& options) {
   if (!(options.cell_m >= 0.01 && options.cell_m <= 10.0)) {
@@ -103,7 +98,7 @@ class MapPasses {
   }
 
   absl::StatusOr<std::shared_ptr<const Scan>> Load(std::size_t index) const {
-    absl::Status status = StopStatus(stop_);
+    absl::Status status = StopStatus(stop_, "the map");
     if (!status.ok()) return status;
     absl::StatusOr<std::shared_ptr<const Scan>> scan = input_.load(index, stop_);
     if (scan.ok() && *scan == nullptr) return absl::InvalidArgumentError(absl::StrCat("no scan ", index));
@@ -127,7 +122,7 @@ class MapPasses {
     PlacedPoint placed;
     for (std::size_t i = 0; i < scan.points.size(); ++i) {
       if (i % kPointsPerQuestion == 0) {
-        absl::Status status = StopStatus(stop_);
+        absl::Status status = StopStatus(stop_, "the map");
         if (!status.ok()) return status;
       }
       const Eigen::Vector3d point = scan.points[i].cast<double>();
@@ -147,7 +142,7 @@ class MapPasses {
       if (!scan.ok()) return scan.status();
       votes.AddScan(**scan, input_.T_map_scan[i], stop_);
     }
-    return StopStatus(stop_);
+    return StopStatus(stop_, "the map");
   }
 
   absl::Status Give(const std::vector<CellSum>& cells, const CellSink& sink) const {
@@ -165,7 +160,7 @@ class MapPasses {
             {grid_.IndexOf(cells[i].key).cast<int>(), MeanOf(cells[i], grid_).cast<float>(), cells[i].count});
       }
       if (piece.size() < kCellsPerPiece && i + 1 < cells.size()) continue;
-      absl::Status status = StopStatus(stop_);
+      absl::Status status = StopStatus(stop_, "the map");
       if (status.ok() && !piece.empty()) status = sink(piece);
       if (!status.ok()) return status;
       piece.clear();

@@ -8,6 +8,7 @@
 
 #include "core/mapping/link_registration.h"
 #include "core/pose_hypotheses.h"
+#include "core/stop_status.h"
 
 namespace curvereg {
 
@@ -36,7 +37,7 @@ absl::StatusOr<std::vector<AlikePlace>> RankPlaces(const ViewFeatures& place, co
   int num_not_kept = 0;
   for (const uint64_t number : to_compare.sequence_numbers) {
     if (places.size() >= most || num_not_kept >= kMaxNotKept) break;
-    if (absl::Status status = StopStatus(stop); !status.ok()) return status;
+    if (absl::Status status = StopStatus(stop, "work on the traverse"); !status.ok()) return status;
     const absl::StatusOr<std::shared_ptr<const PreparedScan>> scan = load(number, stop);
     if (absl::IsNotFound(scan.status())) {
       ++num_not_kept;

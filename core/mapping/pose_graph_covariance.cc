@@ -5,6 +5,8 @@
 #include <Eigen/SparseCholesky>
 #include <cassert>
 
+#include "core/stop_status.h"
+
 namespace curvereg {
 namespace {
 
@@ -66,8 +68,9 @@ absl::StatusOr<std::vector<Matrix6d>> DiagonalBlocksOfInverse(const Sparse& info
   SelectedInverse Z{factor.matrixL().nestedExpression(), Eigen::VectorXd::Zero(size)};
   Scratch scratch{std::vector<int>(static_cast<size_t>(size), -1), {}};
   for (int j = size - 1; j >= 0; --j) {
-    if (j % 64 == 0 && stop.Cancelled()) return absl::CancelledError("the optimisation was cancelled");
-    if (j % 64 == 0 && stop.PastDeadline()) return absl::DeadlineExceededError("the optimisation ran out of time");
+    if (j % 64 == 0) {
+      if (absl::Status status = StopStatus(stop, "the optimisation"); !status.ok()) return status;
+    }
     InvertColumn(j, factor.vectorD()[j], Z, scratch);
   }
   const Eigen::VectorXi& place = factor.permutationP().indices();

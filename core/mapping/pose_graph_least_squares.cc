@@ -13,6 +13,7 @@
 #include "core/mapping/pose_graph_residual.h"
 #include "core/mapping/pose_graph_start.h"
 #include "core/parallel.h"
+#include "core/stop_status.h"
 
 namespace curvereg {
 namespace {
@@ -118,12 +119,6 @@ class OneStep final : public ceres::IterationCallback {
   const Stop& stop_;
 };
 
-absl::Status StopStatus(const Stop& stop) {
-  if (stop.Cancelled()) return absl::CancelledError("the optimisation was cancelled");
-  if (stop.PastDeadline()) return absl::DeadlineExceededError("the optimisation ran out of time");
-  return absl::OkStatus();
-}
-
 std::vector<Matrix6d> WhiteningOfEdges(const PoseGraph& graph, const PoseGraphOptions& options) {
   constexpr int kEdgesPerTask = 64;
   std::vector<Matrix6d> whitening(graph.edges.size());
@@ -224,7 +219,7 @@ std::vector<double> PoseGraphLeastSquares::SquaredErrors() const {
 
 absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights) {
   State& state = *state_;
-  if (absl::Status status = StopStatus(state.stop); !status.ok()) return status;
+  if (absl::Status status = StopStatus(state.stop, "the optimisation"); !status.ok()) return status;
   std::copy(weights.begin(), weights.end(), state.weights.begin());
   OneStep callback(state.stop);
   ceres::Solver::Options options;
@@ -241,7 +236,7 @@ absl::Status PoseGraphLeastSquares::Improve(const std::vector<double>& weights) 
   options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &state.problem, &summary);
-  if (absl::Status status = StopStatus(state.stop); !status.ok()) return status;
+  if (absl::Status status = StopStatus(state.stop, "the optimisation"); !status.ok()) return status;
   if (!summary.IsSolutionUsable())
     return absl::InvalidArgumentError("the pose graph holds numbers that cannot be computed with");
   if (!summary.iterations.empty()) state.trust_radius = std::max(1e2, summary.iterations.back().trust_region_radius);
