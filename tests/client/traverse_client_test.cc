@@ -20,6 +20,7 @@
 namespace curvereg {
 namespace {
 
+using internal::FromWire;
 using std::chrono::milliseconds;
 using testing::ConnectTo;
 using testing::FakeTraverseServer;
