@@ -24,14 +24,6 @@ TEST(LinkedPartnersTest, OnBothSidesAcceptedOrNot) {
   EXPECT_TRUE(LinkedPartners(traverse, 9).empty());
 }
 
-TEST(StopStatusTest, TellsCancelledFromLate) {
-  EXPECT_THAT(StopStatus({}), IsOk());
-  EXPECT_THAT(StopStatus({{}, std::chrono::steady_clock::now()}), HasCode(absl::StatusCode::kDeadlineExceeded));
-  std::stop_source source;
-  source.request_stop();
-  EXPECT_THAT(StopStatus({source.get_token(), std::nullopt}), HasCode(absl::StatusCode::kCancelled));
-}
-
 TEST(RegisterLinkTest, IsTheRegistrationWithTheRequestsPrior) {
   DriveScans drive(*sim::Simulation::Create(testing::SmallDrive(2)));
   RegistrationOptions options;
