@@ -431,22 +431,36 @@ TEST(TraversesTest, OptimizesWithAllLinksThatThereAreToFind) {
   EXPECT_THAT(world->SourceOfMap(name, 7), HasReason(v1::ERROR_REASON_INVALID_FIELD));
 }
 
+// Has the only worker of a pool busy until it is freed.
+class BusyWorker {
+ public:
+  explicit BusyWorker(WorkerPool& pool) {
+    EXPECT_THAT(pool.Submit({.client = "other",
+                             .cancellation = {},
+                             .run =
+                                 [state = state_](std::chrono::nanoseconds) {
+                                   state->busy.count_down();
+                                   state->free.wait();
+                                 },
+                             .drop = [](const absl::Status&) {}}),
+                IsOk());
+    state_->busy.wait();
+  }
+  void Free() { state_->free.count_down(); }
+
+ private:
+  struct State {
+    std::latch busy{1};
+    std::latch free{1};
+  };
+  const std::shared_ptr<State> state_ = std::make_shared<State>();  // the task may see its end last
+};
+
 TEST(TraversesTest, AnOptimizationThatIsNotWantedAnyMoreIsDropped) {
   TraverseWorld world;
   world.Reopen(1);
   const std::string name = world.Create("drive");
-  std::latch busy(1);
-  std::latch free(1);
-  ASSERT_THAT(world.pool().Submit({.client = "test",
-                                   .cancellation = {},
-                                   .run =
-                                       [&](std::chrono::nanoseconds) {
-                                         busy.count_down();
-                                         free.wait();
-                                       },
-                                   .drop = [](const absl::Status&) {}}),
-              IsOk());
-  busy.wait();
+  BusyWorker busy(world.pool());
   v1::OptimizeTraverseRequest request;
   request.set_name(name);
   std::stop_source caller;
@@ -457,26 +471,15 @@ TEST(TraversesTest, AnOptimizationThatIsNotWantedAnyMoreIsDropped) {
   request.set_name("traverses/none");
   world->Optimize(request, "client", {}, [&](const auto& answer) { status = answer.status(); });
   EXPECT_THAT(status, HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
-  free.count_down();
+  busy.Free();
 }
 
 TEST(TraversesTest, RefusesOptimisationsThatWouldPileUp) {
   TraverseWorld world;
   world.Reopen(1);
-  const std::string name = world.Create("drive");
-  std::latch busy(1), free(1);
-  ASSERT_THAT(world.pool().Submit({.client = "other",
-                                   .cancellation = {},
-                                   .run =
-                                       [&](std::chrono::nanoseconds) {
-                                         busy.count_down();
-                                         free.wait();
-                                       },
-                                   .drop = [](const absl::Status&) {}}),
-              IsOk());
-  busy.wait();
   v1::OptimizeTraverseRequest request;
-  request.set_name(name);
+  request.set_name(world.Create("drive"));
+  BusyWorker busy(world.pool());
   constexpr int kAsked = 100;
   std::atomic<int> num_done = 0, num_refused = 0;
   for (int i = 0; i < kAsked; ++i) {
@@ -486,7 +489,7 @@ TEST(TraversesTest, RefusesOptimisationsThatWouldPileUp) {
     });
   }
   EXPECT_GE(num_refused, kAsked / 2);
-  free.count_down();
+  busy.Free();
   EXPECT_TRUE(BecomesTrue([&] { return num_done + num_refused == kAsked; }));
   EXPECT_GE(num_done, 2);
 }
