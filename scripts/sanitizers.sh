@@ -28,6 +28,7 @@ rm -rf "$reports"
 mkdir -p "$reports"
 export ASAN_OPTIONS=log_path=$reports/asan
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1:log_path=$reports/ubsan
+export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 export TSAN_OPTIONS=log_path=$reports/tsan:suppressions=$PWD/tests/tsan.supp
 status=0
 CURVEREG_TEST_IMAGE=0 ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$jobs" "${selected[@]}" ||

@@ -230,7 +230,7 @@ TEST_F(CliTest, FoldersThatAreNoDataSetAreNamed) {
 
 TEST_F(CliTest, AnInterruptEndsItWithStatusOne) {
   const Finished finished =
-      Run("simulate --preset mars-dome --seed 2 --out long", "timeout --preserve-status -s INT 0.3");
+      Run("simulate --preset mars-dome --seed 2 --out long", "timeout --preserve-status -s INT 1.5");
   EXPECT_EQ(finished.status, 1) << finished.err;
   EXPECT_THAT(finished.out, IsEmpty());
   EXPECT_THAT(finished.err, Not(IsEmpty()));
