@@ -3,15 +3,16 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # The paper's section 5: its three data sets, simulated with its figures, its method, its rivals and ours; prints its
-# tables and draws its figures. The rivals take minutes a pair, so they get a few pairs of each set only.
+# tables and draws its figures. The rivals take up to a quarter of an hour a pair, so they get one pair of each set
+# unless told.
 #
 # usage: paper.sh [OUT_DIR]      default: out/paper; CURVEREG names another executable, RIVAL_PAIRS the number of pairs
-#                                for each rival on each set (default 3; 0: none), PAPER_SCANS most scans of a set
+#                                for each rival on each set (default 1; 0: none), PAPER_SCANS most scans of a set
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 curvereg=${CURVEREG:-build/release/bin/curvereg}
 out=${1:-out/paper}
-rival_pairs=${RIVAL_PAIRS:-3}
+rival_pairs=${RIVAL_PAIRS:-1}
 
 if [ ! -x "$curvereg" ]; then
   echo "paper.sh: $curvereg is not there; run 'make paper' or 'make build' first" >&2
