@@ -92,11 +92,7 @@ def draw_trajectory(folder, methods):
     for colour, method, estimate in zip(COLOURS, methods, estimates):
         if len(estimate) > 0:
             axis.plot(estimate[:, 0], estimate[:, 1], "-x", color=colour, markersize=4, linewidth=0.8, label=method)
-    axis.set_aspect("equal", adjustable="datalim")
-    axis.set_xlabel("x [m]")
-    axis.set_ylabel("y [m]")
-    axis.grid(alpha=0.3)
-    axis.legend()
+    drawing.label_plan(axis)
     drawing.save(figure, folder / "figure_3_trajectory.png")
 
 
@@ -114,10 +110,7 @@ def draw_drift(folder, names):
             continue
         errors = [1e3 * np.linalg.norm(places[i] - place_of[scans[i]]) for i in known]
         axis.plot([travelled[scans[i]] for i in known], errors, color=colour, linestyle=style, marker=".", label=name)
-    axis.set_xlabel("way driven [m]")
-    axis.set_ylabel("error of the position [mm]")
-    axis.grid(alpha=0.3)
-    axis.legend()
+    drawing.label(axis, "way driven [m]", "error of the position [mm]")
     drawing.save(figure, folder / "figure_5_drift.png")
 
 

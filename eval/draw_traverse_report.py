@@ -61,12 +61,8 @@ def draw_trajectory(folder, report):
             if link["loop_closure"] and link["accepted"] and {link["source"], link["target"]} <= number_of.keys():
                 ends = np.array([number_of[link["source"]], number_of[link["target"]]])
                 axis.plot(ends[:, 0], ends[:, 1], ":", color="#CC79A7", linewidth=1.2)
-        axis.set_aspect("equal", adjustable="datalim")
         axis.set_title(f"segment {segment}")
-        axis.set_xlabel("x [m]")
-        axis.set_ylabel("y [m]")
-        axis.grid(alpha=0.3)
-        axis.legend()
+        drawing.label_plan(axis)
     drawing.save(figure, folder / "figure_1_trajectory.png")
 
 

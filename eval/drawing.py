@@ -20,6 +20,19 @@ def save(figure, path):
     plt.close(figure)
 
 
+def label(axis, x, y):
+    axis.set_xlabel(x)
+    axis.set_ylabel(y)
+    axis.grid(alpha=0.3)
+    axis.legend()
+
+
+def label_plan(axis):
+    """Of a way seen from above."""
+    axis.set_aspect("equal", adjustable="datalim")
+    label(axis, "x [m]", "y [m]")
+
+
 def read_map(path):
     """N x 3 points of a binary little-endian PLY with float32 x, y, z alone."""
     with open(path, "rb") as file:
