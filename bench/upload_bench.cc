@@ -2,23 +2,30 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Upload throughput beside that of a bare gRPC stream: the same bytes in chunks of the same size to a service that
-// looks at nothing and keeps nothing, in turn, over loopback.
+// looks at nothing and keeps nothing, in turn, over loopback. And what an upload must do besides, each alone on one
+// thread: with two cores for both ends that work is what parts the two.
+#include <fcntl.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/server_builder.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <random>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "bench/service_fixture.h"
+#include "core/scan.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
+#include "wire/digest.h"
 
 namespace curvereg {
 namespace {
@@ -138,6 +145,46 @@ void Print(const std::vector<std::pair<Cost, Cost>>& rounds, std::size_t num_byt
       median([](const Cost& bare, const Cost& upload) { return bare.whole / upload.whole; }));
 }
 
+// [s] of `work` on `payload` in chunks.
+template <typename Work>
+double SecondsOf(const std::string& payload, const Work& work) {
+  const auto start = Clock::now();
+  for (std::size_t offset = 0; offset < payload.size(); offset += kChunkBytes) {
+    work(offset, std::string_view(payload).substr(offset, kChunkBytes));
+  }
+  return Seconds(Clock::now() - start);
+}
+
+// [s] to hand `payload` to the kernel for a new file, which is what `kill -9` does not undo.
+double SecondsToWrite(const std::string& payload) {
+  std::string path = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
+  const int fd = mkstemp(path.data());
+  if (fd < 0) std::exit(1);
+  unlink(path.c_str());
+  const double seconds = SecondsOf(payload, [fd](std::size_t offset, std::string_view chunk) {
+    const ssize_t written = pwrite(fd, chunk.data(), chunk.size(), static_cast<off_t>(offset));
+    if (written != static_cast<ssize_t>(chunk.size())) std::exit(1);
+  });
+  close(fd);
+  return seconds;
+}
+
+void PrintOwnWork(const std::string& payload) {
+  wire::Digester digester = wire::Digester::Create(v1::DIGEST_ALGORITHM_XXH3_128).value();
+  const double digest = SecondsOf(payload, [&](std::size_t, std::string_view chunk) { digester.Update(chunk); });
+  uint32_t crc32c = 0;
+  const double checksum =
+      SecondsOf(payload, [&](std::size_t, std::string_view chunk) { crc32c = wire::ExtendCrc32c(crc32c, chunk); });
+  FinitePointCounter counter;
+  const double count = SecondsOf(payload, [&](std::size_t, std::string_view chunk) { counter.Update(chunk); });
+  const double write = SecondsToWrite(payload);
+  std::printf(
+      "an upload's own work: digest %.0f ms and checksums %.0f ms at each end, counting points %.0f ms, writing the "
+      "file %.0f ms: %.0f ms of processor time (scan %s, %08x)\n",
+      1e3 * digest, 1e3 * checksum, 1e3 * count, 1e3 * write, 1e3 * (2.0 * (digest + checksum) + count + write),
+      wire::HexText(digester.Digest().value()).c_str(), crc32c);
+}
+
 int Main() {
   Scan scan;
   std::mt19937 random(1);
@@ -169,6 +216,7 @@ int Main() {
     rounds.emplace_back(of_bare, Upload(*client, scan));
   }
   Print(rounds, payload.size());
+  PrintOwnWork(payload);
   return 0;
 }
 

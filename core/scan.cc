@@ -19,6 +19,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/simd.h"
 
 namespace curvereg {
 namespace {
@@ -82,14 +83,39 @@ std::string_view PackedPoints(const Scan& scan) {
   return {reinterpret_cast<const char*>(scan.points.data()), scan.points.size() * sizeof(Eigen::Vector3f)};
 }
 
-// Of whole packed points, which need not be aligned.
-int64_t CountFinite(std::string_view points) {
+// As many are first tested as one: a scan has few points that are not finite.
+constexpr size_t kBytesPerLook = 256 * sizeof(Eigen::Vector3f);
+
+// Whatever the points that the `count` floats are of: so many are tested at once.
+CURVEREG_DISPATCH bool AllFinite(const char* floats, size_t count) {
+  constexpr uint32_t kExponent = 0x7f800000U;  // all of it set: infinite or not a number
+  uint32_t found = 0;
+  for (size_t i = 0; i < count; ++i) {
+    uint32_t bits = 0;
+    std::memcpy(&bits, floats + i * sizeof(bits), sizeof(bits));
+    found |= (bits & kExponent) == kExponent ? 1U : 0U;
+  }
+  return found == 0;
+}
+
+int64_t CountOneByOne(std::string_view points) {
   int64_t count = 0;
   for (std::size_t offset = 0; offset < points.size(); offset += sizeof(Eigen::Vector3f)) {
     float p[3];
     std::memcpy(p, points.data() + offset, sizeof(p));
     // 0 times what is not finite is not a number; no branch.
     count += p[0] * 0.0F + p[1] * 0.0F + p[2] * 0.0F == 0.0F ? 1 : 0;
+  }
+  return count;
+}
+
+// Of whole packed points, which need not be aligned.
+int64_t CountFinite(std::string_view points) {
+  int64_t count = 0;
+  for (; !points.empty(); points.remove_prefix(std::min(points.size(), kBytesPerLook))) {
+    const std::string_view block = points.substr(0, kBytesPerLook);
+    const bool all = AllFinite(block.data(), block.size() / sizeof(float));
+    count += all ? static_cast<int64_t>(block.size() / sizeof(Eigen::Vector3f)) : CountOneByOne(block);
   }
   return count;
 }

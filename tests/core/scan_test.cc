@@ -99,12 +99,14 @@ TEST(FinitePointCounterTest, CountsAsTheWhole) {
   Scan scan = Grid(40);
   scan.points[7].y() = std::numeric_limits<float>::quiet_NaN();
   scan.points[9].z() = -std::numeric_limits<float>::infinity();
-  scan.points.back().x() = std::numeric_limits<float>::infinity();
+  for (const size_t i : {size_t{511}, size_t{512}, scan.points.size() - 1}) {
+    scan.points[i].x() = std::numeric_limits<float>::infinity();
+  }
   const std::string_view bytes(reinterpret_cast<const char*>(scan.points.data()), scan.points.size() * 12);
   for (const std::size_t piece : {std::size_t{1}, std::size_t{5}, std::size_t{12}, std::size_t{1000}, bytes.size()}) {
     FinitePointCounter counter;
     for (std::size_t i = 0; i < bytes.size(); i += piece) counter.Update(bytes.substr(i, piece));
-    EXPECT_EQ(counter.count(), static_cast<int64_t>(scan.points.size()) - 3) << piece;
+    EXPECT_EQ(counter.count(), static_cast<int64_t>(scan.points.size()) - 5) << piece;
   }
   EXPECT_EQ(FinitePointCounter().count(), 0);
 }
