@@ -20,7 +20,7 @@ namespace curvereg::bench {
 // Ends the program with a message when the server cannot be started or reached.
 class LoopbackService {
  public:
-  explicit LoopbackService(server::LimitsConfig limits = {}) {
+  explicit LoopbackService(const server::LimitsConfig& limits = {}, const server::TlsConfig& tls = {}) {
     server::KeepFreedMemory();
     std::string folder = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr) Fail("no temporary folder");
@@ -30,6 +30,7 @@ class LoopbackService {
     config.ops_listen = "";
     config.data_dir = folder_;
     config.limits = limits;
+    config.tls = tls;
     config.log.level = "error";
     config.drain_delay_ms = 0;
     auto server = server::Server::Start(config);
@@ -45,8 +46,8 @@ class LoopbackService {
   LoopbackService& operator=(const LoopbackService&) = delete;
 
   std::string target() const { return "127.0.0.1:" + std::to_string(server_->port()); }
-  std::unique_ptr<Client> Connect() const {
-    auto client = Client::Connect(target());
+  std::unique_ptr<Client> Connect(const ClientOptions& options = {}) const {
+    auto client = Client::Connect(target(), options);
     if (!client.ok()) Fail(std::string(client.status().message()));
     return *std::move(client);
   }

@@ -3,7 +3,8 @@
 //
 // Upload throughput beside that of a bare gRPC stream: the same bytes in chunks of the same size to a service that
 // looks at nothing and keeps nothing, in turn, over loopback. And what an upload must do besides, each alone on one
-// thread: with two cores for both ends that work is what parts the two.
+// thread: with two cores for both ends that work is what parts the two. Over plain text, and over TLS as anybody beyond
+// loopback must.
 #include <fcntl.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/server_builder.h>
@@ -15,8 +16,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <random>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -131,13 +134,15 @@ double Median(const std::vector<std::pair<Cost, Cost>>& rounds, const Of& of) {
   return values[values.size() / 2];
 }
 
-void Print(const std::vector<std::pair<Cost, Cost>>& rounds, std::size_t num_bytes) {
+void Print(const char* transport, const std::vector<std::pair<Cost, Cost>>& rounds, std::size_t num_bytes) {
   const auto megabytes = static_cast<double>(num_bytes) * 1e-6;
   const auto median = [&](const auto& of) { return Median(rounds, of); };
   std::printf(
-      "%.0f MB in chunks of %u: bare stream %.0f MB/s (%.0f ms of processor time), upload %.0f MB/s (%.0f ms); median "
+      "%s, %.0f MB in chunks of %u: bare stream %.0f MB/s (%.0f ms of processor time), upload %.0f MB/s (%.0f ms); "
+      "median "
       "of ratios %.2f until all bytes are acknowledged (at least 0.8), %.2f until the scan is on the disk\n",
-      megabytes, kChunkBytes, median([&](const Cost& bare, const Cost&) { return megabytes / bare.transfer; }),
+      transport, megabytes, kChunkBytes,
+      median([&](const Cost& bare, const Cost&) { return megabytes / bare.transfer; }),
       median([](const Cost& bare, const Cost&) { return 1e3 * bare.processor; }),
       median([&](const Cost&, const Cost& upload) { return megabytes / upload.transfer; }),
       median([](const Cost&, const Cost& upload) { return 1e3 * upload.processor; }),
@@ -185,6 +190,79 @@ void PrintOwnWork(const std::string& payload) {
       wire::HexText(digester.Digest().value()).c_str(), crc32c);
 }
 
+std::string ReadFile(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+// Of a server at 127.0.0.1, signed by itself, by the openssl command. In a folder that goes with it.
+class Certificate {
+ public:
+  Certificate() {
+    folder_ = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
+    if (mkdtemp(folder_.data()) == nullptr) std::exit(1);
+    const std::string command =
+        "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2 -subj /CN=bench "
+        "-addext subjectAltName=IP:127.0.0.1 -keyout '" +
+        key_file() + "' -out '" + certificate_file() + "' 2>/dev/null";
+    if (std::system(command.c_str()) == 0) return;
+    std::fprintf(stderr, "the openssl command made no certificate\n");
+    std::exit(1);
+  }
+  ~Certificate() {
+    std::error_code error;
+    std::filesystem::remove_all(folder_, error);
+  }
+  Certificate(const Certificate&) = delete;
+  Certificate& operator=(const Certificate&) = delete;
+
+  std::string certificate_file() const { return folder_ + "/server.pem"; }
+  std::string key_file() const { return folder_ + "/server.key"; }
+
+ private:
+  std::string folder_;
+};
+
+// `tls` without files: plain text.
+void Compare(const char* transport, const server::TlsConfig& tls, const Scan& scan, const std::string& payload) {
+  const bool has_tls = !tls.certificate_file.empty();
+  Sink sink;
+  int port = 0;
+  std::shared_ptr<grpc::ServerCredentials> server_credentials = grpc::InsecureServerCredentials();
+  std::shared_ptr<grpc::ChannelCredentials> client_credentials = grpc::InsecureChannelCredentials();
+  if (has_tls) {
+    const std::string certificate = ReadFile(tls.certificate_file);
+    grpc::SslServerCredentialsOptions options;
+    options.pem_key_cert_pairs = {{ReadFile(tls.key_file), certificate}};
+    server_credentials = grpc::SslServerCredentials(options);
+    client_credentials = grpc::SslCredentials({certificate, "", ""});
+  }
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort("127.0.0.1:0", server_credentials, &port).RegisterService(&sink);
+  const std::unique_ptr<grpc::Server> bare = builder.BuildAndStart();
+  v1::ScanService::Stub stub(grpc::CreateChannel("127.0.0.1:" + std::to_string(port), client_credentials));
+
+  server::LimitsConfig limits;
+  limits.max_scan_points = 2 * kNumPoints;
+  limits.max_scan_bytes = 2 * payload.size();
+  limits.memory_bytes = 16 * payload.size();
+  const bench::LoopbackService service(limits, tls);
+  ClientOptions options;
+  options.tls.enabled = has_tls;
+  options.tls.ca_file = tls.certificate_file;
+  const std::unique_ptr<Client> client = service.Connect(options);
+
+  SendBare(stub, payload);
+  Upload(*client, scan);
+  std::vector<std::pair<Cost, Cost>> rounds;
+  for (int round = 0; round < kRounds; ++round) {
+    const Cost of_bare = SendBare(stub, payload);
+    rounds.emplace_back(of_bare, Upload(*client, scan));
+  }
+  Print(transport, rounds, payload.size());
+}
+
 int Main() {
   Scan scan;
   std::mt19937 random(1);
@@ -194,28 +272,9 @@ int Main() {
   }
   const std::string payload(reinterpret_cast<const char*>(scan.points.data()), scan.points.size() * 12);
 
-  Sink sink;
-  int port = 0;
-  grpc::ServerBuilder builder;
-  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port).RegisterService(&sink);
-  const std::unique_ptr<grpc::Server> bare = builder.BuildAndStart();
-  v1::ScanService::Stub stub(
-      grpc::CreateChannel("127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials()));
-  server::LimitsConfig limits;
-  limits.max_scan_points = 2 * kNumPoints;
-  limits.max_scan_bytes = 2 * payload.size();
-  limits.memory_bytes = 16 * payload.size();
-  const bench::LoopbackService service(limits);
-  const std::unique_ptr<Client> client = service.Connect();
-
-  SendBare(stub, payload);
-  Upload(*client, scan);
-  std::vector<std::pair<Cost, Cost>> rounds;
-  for (int round = 0; round < kRounds; ++round) {
-    const Cost of_bare = SendBare(stub, payload);
-    rounds.emplace_back(of_bare, Upload(*client, scan));
-  }
-  Print(rounds, payload.size());
+  Compare("plain text", {}, scan, payload);
+  const Certificate certificate;
+  Compare("TLS", {certificate.certificate_file(), certificate.key_file(), "", 10}, scan, payload);
   PrintOwnWork(payload);
   return 0;
 }
