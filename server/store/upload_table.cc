@@ -124,7 +124,7 @@ absl::StatusOr<UploadTable::Grant> UploadTable::Resume(const std::shared_ptr<Upl
     upload->digested_bytes = 0;
   }
   upload->last_progress = system_clock::now();  // a sender that comes back is alive
-  return Grant{upload, ++upload->writer_epoch, *std::move(file)};
+  return Grant{upload, ++upload->writer_epoch, upload->committed_offset, *std::move(file)};
 }
 
 absl::StatusOr<UploadTable::Grant> UploadTable::BeginNew(const UploadDescription& description) {
@@ -137,7 +137,7 @@ absl::StatusOr<UploadTable::Grant> UploadTable::BeginNew(const UploadDescription
   absl::StatusOr<StoreFile> file = StoreFile::OpenToWrite(PathOf(description.id));
   absl::Status status = file.ok() ? file->Truncate(0) : file.status();
   if (status.ok()) status = catalog_.PutUpload(description);
-  if (status.ok()) return Grant{upload, ++upload->writer_epoch, *std::move(file)};
+  if (status.ok()) return Grant{upload, ++upload->writer_epoch, upload->committed_offset, *std::move(file)};
   End(*upload);
   return status;
 }

@@ -48,6 +48,7 @@ class UploadTable {
   struct Grant {
     std::shared_ptr<Upload> upload;
     uint64_t epoch = 0;
+    uint64_t committed_offset = 0;  // when it was granted
     StoreFile file;
   };
   // Begins or resumes, see ScanStore::BeginUpload.

@@ -32,7 +32,7 @@ class UploadWriterImpl final : public UploadWriter {
       : store_(store),
         upload_(*grant.upload),
         grant_(std::move(grant)),
-        committed_offset_(upload_.committed_offset),
+        committed_offset_(grant_.committed_offset),
         writeback_offset_(committed_offset_) {}
 
   uint64_t committed_offset() const override { return committed_offset_; }

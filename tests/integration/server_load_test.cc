@@ -38,6 +38,16 @@ namespace {
 using std::chrono::steady_clock;
 using testing::IsOk;
 
+// Of the capacity, and of the time without slow clients. A sanitizer slows some work more than other, so there no more
+// is held than the order of magnitude.
+#ifdef CURVEREG_SANITIZED
+constexpr double kLeastGoodput = 0.5;
+constexpr double kMostSlowdown = 2.0;
+#else
+constexpr double kLeastGoodput = 0.9;
+constexpr double kMostSlowdown = 1.2;
+#endif
+
 int FromEnvironment(const char* name, int otherwise) {
   const char* text = std::getenv(name);
   return text == nullptr ? otherwise : std::atoi(text);
@@ -202,7 +212,7 @@ TEST(ServerLoadTest, TenTimesTheCapacityLeavesTheGoodputAndTheMemoryAlone) {
                 static_cast<double>(memory_before) * 1e-6, static_cast<double>(most_memory) * 1e-6);
   }
   EXPECT_EQ(num_unhealthy, 0) << "of " << num_checks;
-  EXPECT_GE(goodput, 0.9 * capacity);
+  EXPECT_GE(goodput, kLeastGoodput * capacity);
   EXPECT_LE(most_memory, memory_before + kMostGrowth);
   EXPECT_GT(CountAnswers(loaded, 2, 1.0).num_answers, 0) << "it goes on afterwards";
 }
@@ -301,8 +311,8 @@ TEST(ServerLoadTest, TwoHundredSlowClientsDoNotSlowAFastOne) {
   std::printf("registration %.1f ms alone, %.1f ms beside %d slow clients; upload %.1f ms, %.1f ms\n",
               1e3 * alone.registration, 1e3 * beside.registration, kSlowClients, 1e3 * alone.upload,
               1e3 * beside.upload);
-  EXPECT_LE(beside.registration, 1.2 * alone.registration);
-  EXPECT_LE(beside.upload, 1.2 * alone.upload);
+  EXPECT_LE(beside.registration, kMostSlowdown * alone.registration);
+  EXPECT_LE(beside.upload, kMostSlowdown * alone.upload);
   for (const SlowClient& client : slow) EXPECT_TRUE(client.alive());
 }
 
