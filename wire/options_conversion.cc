@@ -87,7 +87,10 @@ absl::StatusOr<RegistrationOptions> FromWire(const v1::RegistrationOptions& opti
   result.num_threads = ThreadsWithin(options.max_threads(), max_threads);
   if (options.has_time_budget()) {
     const std::optional<double> seconds = SecondsOf(options.time_budget());
-    if (!seconds.has_value() || !(*seconds > 0.0)) return FieldError("time_budget", "not above 0");
+    if (!seconds.has_value()) {
+      return FieldError("time_budget", "not a duration: above 10,000 years, nanos of a second or more, or mixed signs");
+    }
+    if (!(*seconds > 0.0)) return FieldError("time_budget", "not above 0");
     result.time_budget_s = *seconds;
   }
   return result;

@@ -9,6 +9,8 @@
 #include <limits>
 #include <string>
 
+#include <gmock/gmock.h>
+
 #include "tests/testing/matchers.h"
 #include "tests/wire/conversion_samples.h"
 #include "wire/duration.h"
@@ -18,6 +20,7 @@ namespace {
 
 using ::curvereg::testing::IsNear;
 using ::curvereg::testing::IsOk;
+using ::testing::HasSubstr;
 
 RegistrationOptions FullOptions() {
   RegistrationOptions options;
@@ -186,6 +189,20 @@ TEST(ConversionTest, UnusableOptionsNameTheField) {
   EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->set_seconds(-1); }), "time_budget");
   EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->set_nanos(2'000'000'000); }), "time_budget");
   EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->set_seconds(INT64_MAX); }), "time_budget");
+}
+
+TEST(ConversionTest, BudgetsThatAreNoDurationsAreToldApart) {
+  const auto message_of = [](int64_t seconds, int32_t nanos) {
+    v1::RegistrationOptions message;
+    message.mutable_time_budget()->set_seconds(seconds);
+    message.mutable_time_budget()->set_nanos(nanos);
+    return std::string(FromWire(message, 0).status().message());
+  };
+  EXPECT_THAT(message_of(1'000'000'000'000'000, 0), HasSubstr("10,000 years"));
+  EXPECT_THAT(message_of(1, -1), HasSubstr("mixed signs"));
+  EXPECT_THAT(message_of(1, 1'000'000'000), HasSubstr("nanos"));
+  EXPECT_THAT(message_of(0, 0), HasSubstr("not above 0"));
+  EXPECT_THAT(message_of(-1, -1), HasSubstr("not above 0"));
 }
 
 TEST(ConversionTest, TinyBudgetsStayAboveZero) {
