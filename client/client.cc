@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/client.h"
 
-#include <algorithm>
+#include <optional>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "client/connection.h"
 #include "client/download.h"
+#include "client/registration.h"
 #include "client/remote_scan.h"
 #include "client/retry.h"
 #include "client/server_status.h"
@@ -15,31 +15,17 @@
 #include "client/upload.h"
 #include "curvereg/v1/registration_service.grpc.pb.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
 
 namespace curvereg {
 namespace {
 
+using internal::CallDeletion;
 using internal::CallUnary;
 using internal::Connection;
 using internal::ScanInputOf;
 
 constexpr int kPageSize = 1000;
-
-absl::StatusOr<v1::RegisterScansRequest> RegistrationRequest(const ScanReference& source, const ScanReference& target,
-                                                             const RegistrationOptions& options,
-                                                             const TransferEncoding& encoding) {
-  absl::StatusOr<v1::ScanInput> source_input = ScanInputOf(source, encoding);
-  if (!source_input.ok()) return wire::WithinField("source", source_input.status());
-  absl::StatusOr<v1::ScanInput> target_input = ScanInputOf(target, encoding);
-  if (!target_input.ok()) return wire::WithinField("target", target_input.status());
-  v1::RegisterScansRequest request;
-  *request.mutable_source() = *std::move(source_input);
-  *request.mutable_target() = *std::move(target_input);
-  *request.mutable_options() = wire::ToWire(options);
-  return request;
-}
 
 RemotePictures PicturesFrom(v1::RenderScanResponse& response) {
   RemotePictures result;
@@ -61,21 +47,7 @@ class ConnectedClient final : public Client {
   absl::StatusOr<RegistrationResult> RegisterScans(const ScanReference& source, const ScanReference& target,
                                                    const RegistrationOptions& options,
                                                    const TransferEncoding& encoding) override {
-    const absl::StatusOr<v1::RegisterScansRequest> request = RegistrationRequest(source, target, options, encoding);
-    if (!request.ok()) return request.status();
-    v1::RegisterScansResponse response;
-    const absl::Status status = CallUnary(
-        *connection_,
-        [&](const auto& channel, grpc::ClientContext* context) {
-          return v1::RegistrationService::NewStub(channel)->RegisterScans(context, *request, &response);
-        },
-        options.cancellation);
-    if (!status.ok()) return status;
-    if (!response.has_result()) return absl::InternalError("the server answered a registration without a result");
-    absl::StatusOr<RegistrationResult> result = wire::FromWire(response.result());
-    // Not the caller's fault, as the error of the conversion would have it.
-    if (!result.ok()) return absl::InternalError(absl::StrCat("the server's result: ", result.status().ToString()));
-    return result;
+    return internal::RegisterScans(*connection_, source, target, options, encoding);
   }
 
   absl::StatusOr<RemotePictures> RenderScan(const ScanReference& scan, int num_threads,
@@ -87,12 +59,12 @@ class ConnectedClient final : public Client {
     *request.mutable_scan() = *std::move(input);
     request.set_max_threads(static_cast<uint32_t>(num_threads));
     v1::RenderScanResponse response;
-    const absl::Status status = CallUnary(
-        *connection_,
-        [&](const auto& channel, grpc::ClientContext* context) {
-          return v1::RegistrationService::NewStub(channel)->RenderScan(context, request, &response);
-        },
-        cancellation);
+    const absl::Status status =
+        CallUnary(*connection_,
+                  [&](const auto& channel, grpc::ClientContext* context) {
+                    return v1::RegistrationService::NewStub(channel)->RenderScan(context, request, &response);
+                  },
+                  {cancellation, std::nullopt});
     if (!status.ok()) return status;
     return PicturesFrom(response);
   }
@@ -138,14 +110,10 @@ class ConnectedClient final : public Client {
   absl::Status DeleteScan(const std::string& name) override {
     v1::DeleteScanRequest request;
     request.set_name(name);
-    int num_attempts = 0;
-    const absl::Status status = CallUnary(*connection_, [&](const auto& channel, grpc::ClientContext* context) {
-      ++num_attempts;
+    return CallDeletion(*connection_, [&](const auto& channel, grpc::ClientContext* context) {
       v1::DeleteScanResponse response;
       return v1::ScanService::NewStub(channel)->DeleteScan(context, request, &response);
     });
-    // An attempt whose answer was lost has deleted it.
-    return absl::IsNotFound(status) && num_attempts > 1 ? absl::OkStatus() : status;
   }
 
   absl::StatusOr<ServerStatus> Status() override { return internal::FetchServerStatus(*connection_); }

@@ -43,7 +43,9 @@ struct TlsOptions {
 };
 
 struct RetryOptions {
-  int max_attempts = 5;  // of one call, the first included; a transfer that makes progress starts counting again
+  // Of one call, the first included; a transfer that makes progress starts counting again. Refusals by a server that
+  // starts or stops do not count, only call_timeout ends these. 1: nothing is tried again.
+  int max_attempts = 5;
   std::chrono::milliseconds initial_backoff{200};  // doubles each time, up to max_backoff; then drawn from 0.8 to 1.2 x
   std::chrono::milliseconds max_backoff{10'000};   // a delay that the server asks for is kept, even a longer one
 };
@@ -141,8 +143,11 @@ class Client {
   static std::unique_ptr<Client> OverChannel(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options = {});
   virtual ~Client() = default;
 
-  // options.cancellation ends the call; options.limits stay behind, the server has its own. Inline scans are sent as
-  // `encoding` tells. Errors: those of RegisterScans in core/register_scans.h, and of the contract.
+  // options.cancellation ends the call; options.limits stay behind, the server has its own. options.deadline travels as
+  // what is left of it at each attempt: it becomes the time budget unless that is less, and so is part of the result's
+  // options_digest. A server that has not answered 2 s after it is not waited for: no pose, Reason::kDeadline, and no
+  // counts and digests. Inline scans are sent as `encoding` tells. Errors: those of RegisterScans in
+  // core/register_scans.h, and of the contract.
   virtual absl::StatusOr<RegistrationResult> RegisterScans(const ScanReference& source, const ScanReference& target,
                                                            const RegistrationOptions& options = {},
                                                            const TransferEncoding& encoding = {}) = 0;

@@ -65,8 +65,11 @@ bool IsResumable(const absl::Status& error) {
   return is_broken && !wire::ErrorInfoOf(error).has_value();
 }
 
+bool IsRefusal(const absl::Status& error) { return wire::ReasonOf(error) == v1::ERROR_REASON_NOT_SERVING; }
+
 std::optional<milliseconds> Backoff::NextDelay(const absl::Status& error, double jitter) {
-  if (++num_failures_ >= options_.max_attempts) return std::nullopt;
+  if (!IsRefusal(error)) ++num_failures_;
+  if (num_failures_ >= options_.max_attempts || options_.max_attempts == 1) return std::nullopt;
   const double factor = 0.8 + 0.4 * jitter;
   const auto drawn = std::chrono::duration_cast<milliseconds>(next_ * factor);
   next_ = std::min(2 * next_, options_.max_backoff);
@@ -134,17 +137,33 @@ absl::Status Retrier::Run(const std::function<absl::Status(const std::shared_ptr
   }
 }
 
-absl::Status CallUnary(Connection& connection, const UnaryAttempt& attempt, const std::stop_token& cancellation) {
-  Retrier retrier(connection, {.cancellation = cancellation, .timeout = connection.options().call_timeout});
+absl::Status CallUnary(Connection& connection, const UnaryAttempt& attempt, const Stop& stop) {
+  const Clock::time_point now = Clock::now();
+  const Clock::time_point last = now + connection.options().call_timeout;
+  const auto timeout = std::chrono::ceil<milliseconds>(std::clamp(stop.deadline.value_or(last), now, last) - now);
+  Retrier retrier(connection, {.cancellation = stop.cancellation, .timeout = timeout});
   return retrier.Run([&](const std::shared_ptr<grpc::Channel>& channel) {
     grpc::ClientContext context;
     connection.Prepare(context);
     const Clock::duration left = *retrier.Now().deadline - Clock::now();
     context.set_deadline(std::chrono::system_clock::now() +
                          std::chrono::duration_cast<std::chrono::system_clock::duration>(left));
-    const std::stop_callback cancel(cancellation, [&] { context.TryCancel(); });
+    const std::stop_callback cancel(stop.cancellation, [&] { context.TryCancel(); });
     return CallError(attempt(channel, &context), context);
   });
+}
+
+absl::Status CallDeletion(Connection& connection, const UnaryAttempt& attempt) {
+  bool was_lost = false;  // an attempt before the last
+  bool is_lost = false;
+  const absl::Status status =
+      CallUnary(connection, [&](const std::shared_ptr<grpc::Channel>& channel, grpc::ClientContext* context) {
+        grpc::Status ended = attempt(channel, context);
+        was_lost = was_lost || is_lost;
+        is_lost = !ended.ok() && !IsRefusal(wire::FromGrpcStatus(ended));
+        return ended;
+      });
+  return absl::IsNotFound(status) && was_lost ? absl::OkStatus() : status;
 }
 
 }  // namespace curvereg::internal

@@ -33,12 +33,16 @@ bool IsRetryable(const absl::Status& error);
 // UNKNOWN without a reason of ours. For transfers, which go on from what is known to be right.
 bool IsResumable(const absl::Status& error);
 
+// NOT_SERVING: nothing was done, and another server or this one will take it.
+bool IsRefusal(const absl::Status& error);
+
 // Delays between attempts.
 class Backoff {
  public:
   explicit Backoff(const RetryOptions& options) : options_(options), next_(options.initial_backoff) {}
 
   // Before the next attempt, `jitter` from [0, 1); nullopt: enough. A delay that the error asks for is the least.
+  // IsRefusal does not count, for a restart may take longer than a few attempts.
   std::optional<std::chrono::milliseconds> NextDelay(const absl::Status& error, double jitter);
   void Restart();
 
@@ -80,9 +84,12 @@ class Retrier {
   int num_attempts_ = 0;
 };
 
-// A unary call with retries, deadline, token and cancellation.
+// A unary call with retries and token, until `stop` or the call timeout, whichever is nearer.
 using UnaryAttempt = std::function<grpc::Status(const std::shared_ptr<grpc::Channel>&, grpc::ClientContext*)>;
-absl::Status CallUnary(Connection& connection, const UnaryAttempt& attempt, const std::stop_token& cancellation = {});
+absl::Status CallUnary(Connection& connection, const UnaryAttempt& attempt, const Stop& stop = {});
+
+// The same for a deletion: NOT_FOUND is OK after an attempt whose answer was lost, for that may have deleted it.
+absl::Status CallDeletion(Connection& connection, const UnaryAttempt& attempt);
 
 }  // namespace curvereg::internal
 

@@ -28,13 +28,13 @@ template <typename Request, typename Response>
 absl::StatusOr<Response> Call(Connection& connection, Method<Request, Response> method, const Request& request,
                               const std::stop_token& cancellation = {}) {
   Response response;
-  const absl::Status status = CallUnary(
-      connection,
-      [&](const auto& channel, grpc::ClientContext* context) {
-        response.Clear();
-        return (v1::TraverseService::NewStub(channel).get()->*method)(context, request, &response);
-      },
-      cancellation);
+  const absl::Status status =
+      CallUnary(connection,
+                [&](const auto& channel, grpc::ClientContext* context) {
+                  response.Clear();
+                  return (v1::TraverseService::NewStub(channel).get()->*method)(context, request, &response);
+                },
+                {cancellation, std::nullopt});
   if (!status.ok()) return status;
   return response;
 }
@@ -84,14 +84,10 @@ class ConnectedTraverseClient final : public TraverseClient {
   absl::Status Delete(const std::string& name) override {
     v1::DeleteTraverseRequest request;
     request.set_name(name);
-    int num_attempts = 0;
-    const absl::Status status = CallUnary(connection_, [&](const auto& channel, grpc::ClientContext* context) {
-      ++num_attempts;
+    return CallDeletion(connection_, [&](const auto& channel, grpc::ClientContext* context) {
       v1::DeleteTraverseResponse response;
       return v1::TraverseService::NewStub(channel)->DeleteTraverse(context, request, &response);
     });
-    // An attempt whose answer was lost has deleted it.
-    return absl::IsNotFound(status) && num_attempts > 1 ? absl::OkStatus() : status;
   }
 
   absl::StatusOr<RemoteTrajectory> GetTrajectory(const std::string& name) override {

@@ -62,6 +62,17 @@ TEST(ClientAnswersTest, ADeletionWhoseAnswerWasLostIsADeletion) {
   EXPECT_TRUE(absl::IsNotFound(client->DeleteScan("scans/a")));
 }
 
+TEST(ClientAnswersTest, ADeletionThatWasRefusedIsNone) {
+  std::atomic<int> calls = 0;
+  Script script;
+  script.delete_scan = [&](auto&, const auto&, auto&) {
+    return Refusal(++calls < 3 ? v1::ERROR_REASON_NOT_SERVING : v1::ERROR_REASON_SCAN_NOT_FOUND);
+  };
+  const ScriptedServer server(script);
+  EXPECT_TRUE(absl::IsNotFound(ConnectTo(server.target())->DeleteScan("scans/a")));
+  EXPECT_EQ(calls, 3);
+}
+
 TEST(ClientAnswersTest, ReadsAScansDescription) {
   Script script;
   script.get_scan = [](auto&, const auto& request, auto& response) {

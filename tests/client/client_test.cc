@@ -79,18 +79,40 @@ TEST(ClientTest, ComesBackAfterUnavailable) {
   EXPECT_EQ(calls, 3);
 }
 
+TEST(ClientTest, OutlastsAServerThatStopsSlowly) {
+  std::atomic<int> calls = 0;
+  const ScriptedServer server(WithRegistration([&](auto&, const auto&, auto& response) {
+    return ++calls < 20 ? Refusal(v1::ERROR_REASON_NOT_SERVING) : Answer(response);
+  }));
+  const auto result = ConnectTo(server.target())->RegisterScans(std::string("scans/a"), std::string("scans/b"));
+  EXPECT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(calls, 20) << "far more than the attempts of a call, which are five";
+}
+
+TEST(ClientTest, ACallTimeoutEndsRefusals) {
+  const ScriptedServer server(
+      WithRegistration([](auto&, const auto&, auto&) { return Refusal(v1::ERROR_REASON_NOT_SERVING); }));
+  ClientOptions options = QuickOptions();
+  options.call_timeout = milliseconds(300);
+  const auto client = ConnectTo(server.target(), options);
+  const Clock::time_point start = Clock::now();
+  const auto result = client->RegisterScans(std::string("scans/a"), std::string("scans/b"));
+  EXPECT_EQ(ErrorReasonName(result.status()), "NOT_SERVING") << result.status();
+  EXPECT_LT(Clock::now() - start, milliseconds(3000));
+}
+
 TEST(ClientTest, GivesUpAfterTheLastAttempt) {
   std::atomic<int> calls = 0;
   const ScriptedServer server(WithRegistration([&](auto&, const auto&, auto&) {
     ++calls;
-    return Refusal(v1::ERROR_REASON_NOT_SERVING);
+    return Refusal(v1::ERROR_REASON_QUEUE_FULL, milliseconds(1));
   }));
   ClientOptions options = QuickOptions();
   options.retry.max_attempts = 4;
   const auto result =
       ConnectTo(server.target(), options)->RegisterScans(std::string("scans/a"), std::string("scans/b"));
-  EXPECT_TRUE(absl::IsUnavailable(result.status())) << result.status();
-  EXPECT_EQ(ErrorReasonName(result.status()), "NOT_SERVING");
+  EXPECT_TRUE(absl::IsResourceExhausted(result.status())) << result.status();
+  EXPECT_EQ(ErrorReasonName(result.status()), "QUEUE_FULL");
   EXPECT_EQ(calls, 4);
 }
 

@@ -84,6 +84,17 @@ TEST(BackoffTest, OneAttemptIsOneAttempt) {
   EXPECT_FALSE(Backoff({.max_attempts = 1}).NextDelay(kLost, 0.5).has_value());
 }
 
+TEST(BackoffTest, RefusalsDoNotCount) {
+  const absl::Status refused = wire::MakeError(v1::ERROR_REASON_NOT_SERVING, "stopping");
+  Backoff backoff({.max_attempts = 2, .initial_backoff = milliseconds(100), .max_backoff = milliseconds(350)});
+  EXPECT_EQ(backoff.NextDelay(refused, 0.5), milliseconds(100));
+  EXPECT_EQ(backoff.NextDelay(refused, 0.5), milliseconds(200));
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(backoff.NextDelay(refused, 0.5), milliseconds(350));
+  EXPECT_TRUE(backoff.NextDelay(kLost, 0.5).has_value()) << "the first that counts";
+  EXPECT_FALSE(backoff.NextDelay(kLost, 0.5).has_value());
+  EXPECT_FALSE(Backoff({.max_attempts = 1}).NextDelay(refused, 0.5).has_value());
+}
+
 TEST(SleepForTest, SleepsNoLongerThanAllowed) {
   Clock::time_point start = Clock::now();
   EXPECT_TRUE(SleepFor(milliseconds(30), {}).ok());
