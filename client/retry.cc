@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "wire/error.h"
@@ -32,6 +33,13 @@ std::optional<milliseconds> PushbackOf(const grpc::ClientContext& context) {
   return is_number && value >= 0 ? std::min(milliseconds(value), kNeverAgain) : kNeverAgain;
 }
 
+// gRPC's own, of a server that is short of memory: it resets a stream with HTTP/2's ENHANCE_YOUR_CALM. Only the text
+// tells this from a message that is too large, which would be so again.
+bool IsMemoryPressure(const absl::Status& error) {
+  return error.code() == absl::StatusCode::kResourceExhausted && !wire::ErrorInfoOf(error).has_value() &&
+         absl::EndsWith(error.message(), "RST_STREAM with error code 11");
+}
+
 RetryOptions RetriesOf(const Connection& connection, bool without_end) {
   RetryOptions options = connection.options().retry;
   if (without_end) options.max_attempts = std::numeric_limits<int>::max();
@@ -54,6 +62,7 @@ bool IsRetryable(const absl::Status& error) {
   // A call that reaches a server at its very end is cancelled by gRPC, before any code of ours could give a reason.
   // When it was the caller who cancelled, the wait before the next attempt ends at once.
   if (absl::IsCancelled(error) && !wire::ErrorInfoOf(error).has_value()) return true;
+  if (IsMemoryPressure(error)) return true;
   return error.code() == absl::StatusCode::kResourceExhausted && wire::RetryDelayOf(error).has_value();
 }
 
@@ -113,6 +122,8 @@ absl::Status Retrier::InOurWords(const absl::Status& error) const {
     text = absl::StrCat("no answer from ", server, " within ", seconds, " s");
   } else if (absl::IsUnavailable(error)) {
     text = absl::StrCat("lost ", server, ": ", error.message());
+  } else if (IsMemoryPressure(error)) {
+    text = absl::StrCat(server, " is short of memory: ", error.message());
   } else {
     return error;
   }

@@ -25,8 +25,8 @@ namespace curvereg::internal {
 // negative one ("do not come back") takes the RetryInfo's place as the longest delay there is.
 absl::Status CallError(const grpc::Status& status, const grpc::ClientContext& context);
 
-// UNAVAILABLE; RESOURCE_EXHAUSTED that says when to come back; CANCELLED without a reason of ours, which is a server
-// that ended under the call. ABORTED never: another writer must not be fought.
+// UNAVAILABLE; RESOURCE_EXHAUSTED that says when to come back, or of gRPC short of memory; CANCELLED without a reason
+// of ours, which is a server that ended under the call. ABORTED never: another writer must not be fought.
 bool IsRetryable(const absl::Status& error);
 
 // IsRetryable, and what damage on the way looks like: a wrong checksum, an offset that does not fit, INTERNAL or

@@ -206,6 +206,33 @@ TEST(ConnectionTest, APulledCableIsNoticedByKeepalive) {
   EXPECT_LT(Clock::now() - start, milliseconds(25'000));
 }
 
+TEST(ConnectionTest, AServerShortOfMemoryIsAskedAgain) {
+  Script script;
+  script.render_scan = [](auto&, const auto&, auto&) { return grpc::Status::OK; };
+  grpc::ResourceQuota quota;
+  quota.Resize(std::size_t{1} << 20);
+  const ScriptedServer server(script, 0, &quota);
+  const Scan scan = testing::StrewnScan(500'000);  // about 5 MB
+  ClientOptions options = QuickOptions();
+  options.retry.max_attempts = 1;
+  // gRPC may also close the connection.
+  std::string said;
+  for (int i = 0; i < 50 && said.find("short of memory") == std::string::npos; ++i) {
+    const auto refused = ConnectTo(server.target(), options)->RenderScan(std::cref(scan));
+    ASSERT_FALSE(refused.ok()) << "the quota does nothing";
+    said = refused.status().ToString();
+  }
+  EXPECT_THAT(said, HasSubstr("short of memory")) << "gRPC says it in other words now";
+
+  options.retry.max_attempts = 200;
+  const std::jthread relief([&] {
+    std::this_thread::sleep_for(milliseconds(300));
+    quota.Resize(std::size_t{256} << 20);
+  });
+  const auto pictures = ConnectTo(server.target(), options)->RenderScan(std::cref(scan));
+  EXPECT_TRUE(pictures.ok()) << pictures.status();
+}
+
 TEST(StatusTest, ReadsHealthMethodsAndLimits) {
   const ScriptedServer server(HealthyScript());
   const auto status = ConnectTo(server.target())->Status();

@@ -28,6 +28,9 @@ TEST(IsRetryableTest, OnlyWhatIsSafe) {
   EXPECT_TRUE(IsRetryable(wire::MakeError(v1::ERROR_REASON_NOT_SERVING, "stopping")));
   EXPECT_TRUE(IsRetryable(Busy(milliseconds(1))));
   EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_STORAGE_FULL, "full")));
+  EXPECT_TRUE(IsRetryable(absl::ResourceExhaustedError("Received RST_STREAM with error code 11")));
+  EXPECT_FALSE(IsRetryable(absl::ResourceExhaustedError("Received message larger than max (5300015 vs. 4194304)")));
+  EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_SCAN_TOO_LARGE, "Received RST_STREAM with error code 11")));
   EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_WRITER_REPLACED, "other")));
   EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_DEADLINE_EXCEEDED, "late")));
   EXPECT_FALSE(IsRetryable(wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "damaged")));

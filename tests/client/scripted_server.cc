@@ -96,12 +96,14 @@ struct ScriptedServer::Services {
   std::unique_ptr<grpc::Server> server;
 };
 
-ScriptedServer::ScriptedServer(Script script, int port) : services_(std::make_unique<Services>(std::move(script))) {
+ScriptedServer::ScriptedServer(Script script, int port, const grpc::ResourceQuota* quota)
+    : services_(std::make_unique<Services>(std::move(script))) {
   grpc::ServerBuilder builder;
   builder.AddListeningPort("127.0.0.1:" + std::to_string(port), grpc::InsecureServerCredentials(), &services_->port);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 100);
   builder.SetMaxReceiveMessageSize(64 << 20);
+  if (quota != nullptr) builder.SetResourceQuota(*quota);
   builder.RegisterService(&services_->registration);
   builder.RegisterService(&services_->scans);
   builder.RegisterService(&services_->health);

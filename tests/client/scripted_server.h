@@ -6,6 +6,7 @@
 #ifndef CURVEREG_TESTS_CLIENT_SCRIPTED_SERVER_H_
 #define CURVEREG_TESTS_CLIENT_SCRIPTED_SERVER_H_
 
+#include <grpcpp/resource_quota.h>
 #include <grpcpp/server.h>
 
 #include <chrono>
@@ -43,8 +44,8 @@ struct Script {
 
 class ScriptedServer {
  public:
-  // Port 0 takes a free one. The script is run by several threads at once.
-  explicit ScriptedServer(Script script, int port = 0);
+  // Port 0 takes a free one. The script is run by several threads at once. gRPC keeps to `quota`, if there is one.
+  explicit ScriptedServer(Script script, int port = 0, const grpc::ResourceQuota* quota = nullptr);
   ~ScriptedServer();
   int port() const;
   std::string target() const { return "127.0.0.1:" + std::to_string(port()); }
