@@ -26,6 +26,7 @@
 #include "client/cli/traverse_command.h"
 #include "client/cli/watch_command.h"
 #include "server/heap_tuning.h"
+#include "server/settings/program_arguments.h"
 
 namespace curvereg::cli {
 namespace {
@@ -38,6 +39,15 @@ ExitCode ReportUsage(const CLI::App& app, const CLI::ParseError& error, const st
   return ReportError(absl::InvalidArgumentError("no command is named '" + first_word + "'; see curvereg --help"));
 }
 
+// They mostly come from a script's variable that is not set. Only --server says what it means by one.
+void RefuseEmptyValues(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const bool takes_value = option->get_items_expected_max() > 0;
+    if (takes_value && option->get_name() != "--server") option->check(server::CheckNotEmpty);
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) RefuseEmptyValues(*command);
+}
+
 ExitCode ParseAndRun(int argc, char** argv) {
   CLI::App app("Registration of 3-D laser scans of planetary terrain", "curvereg");
   app.set_version_flag("--version", "curvereg " CURVEREG_VERSION);
@@ -46,8 +56,9 @@ ExitCode ParseAndRun(int argc, char** argv) {
                                          AddInspectCommand(app),  AddScansCommand(app),    AddStatusCommand(app),
                                          AddStreamCommand(app),   AddWatchCommand(app),    AddTrajectoryCommand(app),
                                          AddMapCommand(app),      AddTraverseCommand(app)};
+  RefuseEmptyValues(app);
   try {
-    app.parse(argc, argv);
+    server::ParseArguments(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     return ReportUsage(app, error, argc > 1 ? argv[1] : "");
   }

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/register_scans.h"
+#include "server/settings/program_arguments.h"
 #include "server/settings/settings.h"
 
 namespace curvereg::server {
@@ -50,7 +51,8 @@ CLI::App* AddMakeToken(CLI::App& app, MakeTokenCommand& command, std::string& sc
   make_token->add_option("--scope", scope, "read (register, look), write (upload and delete, too) or admin (all)")
       ->check(CLI::IsMember({"read", "write", "admin"}))
       ->capture_default_str();
-  make_token->add_option("--append-to", command.append_to, "token file to add the table to, instead of printing it");
+  make_token->add_option("--append-to", command.append_to, "token file to add the table to, instead of printing it")
+      ->check(CheckNotEmpty);
   return make_token;
 }
 
@@ -63,8 +65,9 @@ ParsedCommandLine ParseCommandLine(int argc, const char* const* argv) {
                           "...) and from a TOML file; see docs/settings.md."));
   ServeCommand serve;
   std::map<std::string, std::string> texts;
-  app.add_option("--config", serve.config_file, "TOML file of settings")->type_name("FILE");
+  app.add_option("--config", serve.config_file, "TOML file of settings")->check(CheckNotEmpty)->type_name("FILE");
   app.add_option("--ports-file", serve.ports_file, "write the bound ports to this file, as JSON, once they are open")
+      ->check(CheckNotEmpty)
       ->type_name("FILE");
   app.add_flag("--print-config", serve.print_config, "print the settings in force as TOML, and leave");
   app.add_flag("--print-settings", serve.print_settings, "print the table of all settings as Markdown, and leave");
@@ -73,7 +76,7 @@ ParsedCommandLine ParseCommandLine(int argc, const char* const* argv) {
   std::string scope = "read";
   const CLI::App* make_token = AddMakeToken(app, token, scope);
   try {
-    app.parse(argc, argv);
+    ParseArguments(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     const int status = app.exit(error);
     return {.command = serve, .is_done = true, .exit_status = status == 0 ? 0 : kUsageStatus};

@@ -84,6 +84,17 @@ TEST_F(CliTest, WrongUsage) {
   ExpectRefused("evaluate yard --out r --method curvelet,curvelet", "twice");
 }
 
+TEST_F(CliTest, AnEmptyValueIsNotTheNextArgument) {
+  EXPECT_EQ(Run("register --server= " + Yard(1) + " " + Yard(0) + " --threads 2").status, 0);
+  for (const char* option : {"--out-cloud", "--report", "--method", "--prior", "--gravity-source", "--seed",
+                             "--threads", "--time-budget", "--json", "--token-file", "--tls", "--tls-ca"}) {
+    ExpectRefused("register " + std::string(option) + "= a b", std::string(option) + ": ");
+  }
+  ExpectRefused("register '' b", "SOURCE: must not be empty");
+  ExpectRefused("scans download --out= x", "--out: must not be empty");
+  ExpectRefused("--version= register a b", "--version");
+}
+
 TEST_F(CliTest, RegistersNeighboursAndAgreesWithTheTruth) {
   const Finished finished = Run("register " + Yard(1) + " " + Yard(0) + " --json --threads 2");
   EXPECT_EQ(finished.status, 0) << finished.out << finished.err;
