@@ -14,6 +14,11 @@
 namespace curvereg::server {
 namespace {
 
+constexpr std::string_view kDigits = "0123456789";
+constexpr std::string_view kAddressLetters = "0123456789abcdefABCDEF.:";
+constexpr std::string_view kServicePort = "_SERVICE_PORT";
+constexpr std::string_view kPort = "_PORT_";
+
 absl::Status Named(std::string_view source, const absl::Status& status) {
   if (status.ok()) return status;
   return absl::Status(status.code(), absl::StrCat(std::string(source), ": ", std::string(status.message())));
@@ -27,22 +32,43 @@ const Setting* FindSetting(std::string_view name, NameOf name_of) {
   return found == settings.end() ? nullptr : &*found;
 }
 
+bool Holds(std::string_view text, std::string_view letters) {
+  return !text.empty() && text.find_first_not_of(letters) == std::string_view::npos;
+}
+
+// "50051_TCP", "50051_TCP_ADDR"...: what Kubernetes tells of one port.
+bool IsPortDetail(std::string_view text) {
+  const std::size_t end = text.find_first_not_of(kDigits);
+  if (end == 0 || end == std::string_view::npos) return false;
+  constexpr std::array<std::string_view, 3> kProtocols = {"_TCP", "_UDP", "_SCTP"};
+  return std::any_of(kProtocols.begin(), kProtocols.end(), [rest = text.substr(end)](std::string_view protocol) {
+    if (!rest.starts_with(protocol)) return false;
+    const std::string_view detail = rest.substr(protocol.size());
+    return detail.empty() || detail == "_PROTO" || detail == "_PORT" || detail == "_ADDR";
+  });
+}
+
 // Kubernetes tells every container of a namespace about every Service in it: a Service "curvereg-server" becomes
-// CURVEREG_SERVER_SERVICE_HOST, _SERVICE_PORT, _SERVICE_PORT_GRPC, _PORT, _PORT_50051_TCP, _PORT_50051_TCP_ADDR...
-bool IsFromKubernetes(std::string_view name) {
-  constexpr std::array<std::string_view, 4> kMarks = {"_SERVICE_HOST", "_SERVICE_PORT", "_PORT_", "_PORT"};
+// CURVEREG_SERVER_SERVICE_HOST, _SERVICE_PORT, _SERVICE_PORT_GRPC, _PORT=tcp://10.0.0.1:50051, _PORT_50051_TCP,
+// _PORT_50051_TCP_ADDR... The values are looked at too, for CURVEREG_SERVER_PORT=50051 is somebody's mistake.
+bool IsFromKubernetes(std::string_view name, std::string_view value) {
   const std::string_view rest = name.substr(sizeof(kEnvironmentPrefix) - 2);  // with the prefix's last '_'
-  if (rest.ends_with(kMarks[0]) || rest.find(kMarks[1]) != std::string_view::npos || rest.ends_with(kMarks[3])) {
-    return true;
+  if (rest.ends_with("_SERVICE_HOST")) return Holds(value, kAddressLetters);
+  const std::size_t service_port = rest.find(kServicePort);
+  if (service_port != std::string_view::npos) {
+    const std::string_view port_name = rest.substr(service_port + kServicePort.size());
+    return (port_name.empty() || port_name.front() == '_') && Holds(value, kDigits);
   }
-  const std::size_t port = rest.find(kMarks[2]);
-  return port != std::string_view::npos && rest.find_first_of("0123456789", port) == port + kMarks[2].size();
+  const bool is_endpoint = value.starts_with("tcp://") || value.starts_with("udp://") || value.starts_with("sctp://");
+  if (rest.ends_with("_PORT") && is_endpoint) return true;
+  const std::size_t port = rest.find(kPort);
+  return port != std::string_view::npos && IsPortDetail(rest.substr(port + kPort.size()));
 }
 
 bool IsSection(std::string_view name) {
   const auto settings = AllSettings();
-  return std::any_of(settings.begin(), settings.end(),
-                     [name](const Setting& setting) { return setting.section == name; });
+  return !name.empty() && std::any_of(settings.begin(), settings.end(),
+                                      [name](const Setting& setting) { return setting.section == name; });
 }
 
 // The value as text, when it is of a type that the setting may be written as.
@@ -76,7 +102,7 @@ const char* TypeText(SettingKind kind) {
 absl::Status ApplyTable(const toml::table& table, const std::string& section, const std::string& file_name,
                         ServerConfig& config) {
   for (const auto& [key, node] : table) {
-    const std::string name = section.empty() ? std::string(key.str()) : absl::StrCat(section, ".", key.str().data());
+    const std::string name = section.empty() ? std::string(key.str()) : section + "." + std::string(key.str());
     if (section.empty() && node.is_table() && IsSection(name)) {
       const absl::Status status = ApplyTable(*node.as_table(), name, file_name, config);
       if (!status.ok()) return status;
@@ -100,8 +126,9 @@ Environment ServerEnvironment(const char* const* environment) {
     const std::string_view entry = *environment;
     const std::size_t equals = entry.find('=');
     const std::string_view name = entry.substr(0, equals);
-    if (equals == std::string_view::npos || !name.starts_with(kEnvironmentPrefix) || IsFromKubernetes(name)) continue;
-    ours.emplace(name, entry.substr(equals + 1));
+    if (equals == std::string_view::npos || !name.starts_with(kEnvironmentPrefix)) continue;
+    const std::string_view value = entry.substr(equals + 1);
+    if (!IsFromKubernetes(name, value)) ours.emplace(name, value);
   }
   return ours;
 }
@@ -137,11 +164,11 @@ absl::Status ApplyFlags(const std::vector<FlagValue>& flags, ServerConfig& confi
 absl::StatusOr<ServerConfig> ReadConfig(const ConfigSources& sources) {
   ServerConfig config;
   const auto variable = sources.environment.find(kConfigVariable);
-  const std::string file =
-      sources.toml_file.empty() && variable != sources.environment.end() ? variable->second : sources.toml_file;
+  const bool by_variable = sources.toml_file.empty() && variable != sources.environment.end();
+  const std::string file = by_variable ? variable->second : sources.toml_file;
   if (!file.empty()) {
     const absl::StatusOr<std::string> text = ReadSmallFile(file);
-    if (!text.ok()) return text.status();
+    if (!text.ok()) return Named(by_variable ? kConfigVariable : "--config", text.status());
     const absl::Status status = ApplyToml(*text, file, config);
     if (!status.ok()) return status;
   }

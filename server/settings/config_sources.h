@@ -24,7 +24,7 @@ inline constexpr char kConfigVariable[] = "CURVEREG_SERVER_CONFIG";
 
 using Environment = std::map<std::string, std::string>;
 // The server's variables in `environment` ("NAME=VALUE", ends with a null pointer; pass `environ`). Left out are those
-// that Kubernetes makes for a Service called curvereg-server..., such as CURVEREG_SERVER_PORT_50051_TCP.
+// that Kubernetes makes for a Service called curvereg-server..., such as CURVEREG_SERVER_PORT=tcp://10.0.0.1:50051.
 Environment ServerEnvironment(const char* const* environment);
 
 absl::Status ApplyToml(std::string_view text, const std::string& file_name, ServerConfig& config);
@@ -42,7 +42,7 @@ struct ConfigSources {
   std::vector<FlagValue> flags{};
 };
 
-// All sources in order, then Validate. Also the errors of reading the file, with its name.
+// All sources in order, then Validate. Also the errors of reading the file, with its name and who gave it.
 absl::StatusOr<ServerConfig> ReadConfig(const ConfigSources& sources);
 
 }  // namespace curvereg::server

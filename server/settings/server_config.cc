@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "server/settings/listen_address.h"
@@ -25,49 +26,37 @@ absl::Status Invalid(std::string_view setting, std::string_view text) {
   return absl::InvalidArgumentError(absl::StrCat(std::string(setting), ": ", std::string(text)));
 }
 
-struct Range {
-  const char* setting;
-  uint64_t value;
-  uint64_t min;
-  uint64_t max;
-};
-
-// Negative numbers become huge ones and so lie above every maximum.
 template <typename T>
-uint64_t Unsigned(T value) {
-  return static_cast<uint64_t>(value);
+absl::Status CheckRange(const char* setting, T value, uint64_t min, uint64_t max) {
+  if (std::cmp_greater_equal(value, min) && std::cmp_less_equal(value, max)) return absl::OkStatus();
+  return Invalid(setting, absl::StrCat("must lie from ", min, " to ", max, ", is ", value));
 }
 
-absl::Status CheckRanges(std::initializer_list<Range> ranges) {
-  for (const Range& range : ranges) {
-    if (range.value < range.min || range.value > range.max) {
-      return Invalid(range.setting, absl::StrCat("must lie from ", range.min, " to ", range.max, ", is ",
-                                                 static_cast<int64_t>(range.value)));
-    }
-  }
-  return absl::OkStatus();
+absl::Status FirstError(std::initializer_list<absl::Status> statuses) {
+  const auto error = std::find_if(statuses.begin(), statuses.end(), [](const absl::Status& s) { return !s.ok(); });
+  return error == statuses.end() ? absl::OkStatus() : *error;
 }
 
 absl::Status CheckLimits(const LimitsConfig& limits) {
   constexpr uint64_t kMaxInt = std::numeric_limits<int>::max();  // gRPC's sizes are ints
   constexpr uint64_t kMaxSize = uint64_t{1} << 62;
-  const absl::Status in_range = CheckRanges({
-      {"limits.max_message_bytes", limits.max_message_bytes, 2 * kMessageOverheadBytes, kMaxInt},
-      {"limits.max_scan_points", limits.max_scan_points, 1, kMaxInt},
-      {"limits.max_scan_bytes", limits.max_scan_bytes, 1, kMaxSize},
-      {"limits.max_chunk_bytes", limits.max_chunk_bytes, 1, kMaxInt},
-      {"limits.max_uploads", Unsigned(limits.max_uploads), 1, kMaxInt},
-      {"limits.upload_lifetime_seconds", Unsigned(limits.upload_lifetime_seconds), 1, uint64_t{1} << 32},
-      {"limits.max_stored_bytes", limits.max_stored_bytes, 1, kMaxSize},
-      {"limits.max_traverses", Unsigned(limits.max_traverses), 1, kMaxInt},
-      {"limits.max_scans_per_traverse", Unsigned(limits.max_scans_per_traverse), 1, kMaxInt},
-      {"limits.max_queue_length", Unsigned(limits.max_queue_length), 1, kMaxInt},
-      {"limits.max_queue_per_client", Unsigned(limits.max_queue_per_client), 1, kMaxInt},
-      {"limits.max_concurrent_registrations", Unsigned(limits.max_concurrent_registrations), 0, kMaxThreads},
-      {"limits.max_threads_per_registration", Unsigned(limits.max_threads_per_registration), 0, kMaxThreads},
-      {"limits.memory_bytes", limits.memory_bytes, 0, kMaxSize},
-      {"limits.cache_bytes", limits.cache_bytes, 0, kMaxSize},
-      {"limits.max_streams_per_connection", Unsigned(limits.max_streams_per_connection), 1, kMaxInt},
+  const absl::Status in_range = FirstError({
+      CheckRange("limits.max_message_bytes", limits.max_message_bytes, 2 * kMessageOverheadBytes, kMaxInt),
+      CheckRange("limits.max_scan_points", limits.max_scan_points, 1, kMaxInt),
+      CheckRange("limits.max_scan_bytes", limits.max_scan_bytes, 1, kMaxSize),
+      CheckRange("limits.max_chunk_bytes", limits.max_chunk_bytes, 1, kMaxInt),
+      CheckRange("limits.max_uploads", limits.max_uploads, 1, kMaxInt),
+      CheckRange("limits.upload_lifetime_seconds", limits.upload_lifetime_seconds, 1, uint64_t{1} << 32),
+      CheckRange("limits.max_stored_bytes", limits.max_stored_bytes, 1, kMaxSize),
+      CheckRange("limits.max_traverses", limits.max_traverses, 1, kMaxInt),
+      CheckRange("limits.max_scans_per_traverse", limits.max_scans_per_traverse, 1, kMaxInt),
+      CheckRange("limits.max_queue_length", limits.max_queue_length, 1, kMaxInt),
+      CheckRange("limits.max_queue_per_client", limits.max_queue_per_client, 1, kMaxInt),
+      CheckRange("limits.max_concurrent_registrations", limits.max_concurrent_registrations, 0, kMaxThreads),
+      CheckRange("limits.max_threads_per_registration", limits.max_threads_per_registration, 0, kMaxThreads),
+      CheckRange("limits.memory_bytes", limits.memory_bytes, 0, kMaxSize),
+      CheckRange("limits.cache_bytes", limits.cache_bytes, 0, kMaxSize),
+      CheckRange("limits.max_streams_per_connection", limits.max_streams_per_connection, 1, kMaxInt),
   });
   if (!in_range.ok()) return in_range;
   if (limits.max_chunk_bytes + kMessageOverheadBytes > limits.max_message_bytes) {
@@ -116,19 +105,12 @@ absl::Status CheckChoice(std::string_view setting, std::string_view value,
 
 absl::Status Validate(const ServerConfig& config) {
   if (config.data_dir.empty()) return Invalid("data_dir", "must not be empty");
-  for (const absl::Status& status : {
-           CheckTls(config.tls),
-           CheckAddresses(config),
-           CheckLimits(config.limits),
-           CheckChoice("log.format", config.log.format, {"text", "json"}),
-           CheckChoice("log.level", config.log.level, {"debug", "info", "warning", "error"}),
-           CheckRanges({{"tls.reload_seconds", Unsigned(config.tls.reload_seconds), 1, kMaxReloadSeconds},
-                        {"grace_seconds", Unsigned(config.grace_seconds), 0, kMaxGraceSeconds},
-                        {"drain_delay_ms", Unsigned(config.drain_delay_ms), 0, kMaxDrainDelayMs}}),
-       }) {
-    if (!status.ok()) return status;
-  }
-  return absl::OkStatus();
+  return FirstError({CheckTls(config.tls), CheckAddresses(config), CheckLimits(config.limits),
+                     CheckChoice("log.format", config.log.format, {"text", "json"}),
+                     CheckChoice("log.level", config.log.level, {"debug", "info", "warning", "error"}),
+                     CheckRange("tls.reload_seconds", config.tls.reload_seconds, 1, kMaxReloadSeconds),
+                     CheckRange("grace_seconds", config.grace_seconds, 0, kMaxGraceSeconds),
+                     CheckRange("drain_delay_ms", config.drain_delay_ms, 0, kMaxDrainDelayMs)});
 }
 
 }  // namespace curvereg::server

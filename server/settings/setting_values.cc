@@ -48,7 +48,7 @@ std::optional<T> ParseNumber(std::string_view text, bool with_unit) {
   if (error != std::errc()) return std::nullopt;
   std::string_view rest(end, static_cast<std::size_t>(text.data() + text.size() - end));
   if (!with_unit) return rest.empty() ? std::optional(number) : std::nullopt;
-  while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
+  if (rest.size() > 1 && rest.front() == ' ') rest.remove_prefix(1);  // "512 MiB"
   const std::optional<uint64_t> unit = UnitBytes(rest);
   if (!unit.has_value() || number < 0) return std::nullopt;
   if (static_cast<uint64_t>(number) > static_cast<uint64_t>(std::numeric_limits<T>::max()) / *unit) return std::nullopt;
@@ -65,6 +65,13 @@ absl::Status SetNumber(const Setting& setting, std::string_view text, T& value) 
                      std::numeric_limits<T>::max(), ", not \"", std::string(text), "\""));
   }
   value = *number;
+  return absl::OkStatus();
+}
+
+// TOML's "\u0000" ends the names of files early.
+absl::Status SetText(std::string_view text, std::string& value) {
+  if (text.find('\0') != std::string_view::npos) return absl::InvalidArgumentError("must not hold a zero byte");
+  value = text;
   return absl::OkStatus();
 }
 
@@ -105,8 +112,7 @@ absl::Status SetFromText(const Setting& setting, std::string_view text, ServerCo
         auto& value = *member(config);
         using T = std::remove_reference_t<decltype(value)>;
         if constexpr (std::is_same_v<T, std::string>) {
-          value = text;
-          return absl::OkStatus();
+          return SetText(text, value);
         } else if constexpr (std::is_same_v<T, bool>) {
           return SetSwitch(text, value);
         } else {

@@ -123,7 +123,9 @@ std::string SettingsMarkdown() {
       kConfigVariable,
       "`), and that before the defaults. A name that is not in this table is an error: an unknown key ",
       "of the file, an unknown flag, and an unknown variable that begins with `", kEnvironmentPrefix,
-      "` (but for those that Kubernetes makes for a Service of such a name). Sizes may be written `512MiB` (B, kB, MB, "
+      "` (but for those that Kubernetes makes for a Service of such a name, as `", kEnvironmentPrefix,
+      "PORT=tcp://10.0.0.1:50051`). `--name=` gives an empty value, which only some settings take. Sizes may be "
+      "written `512MiB` (B, kB, MB, "
       "GB, TB, KiB, MiB, GiB, TiB). `curvereg-server --print-config` prints what is in force, as a TOML file.\n\n"
       "| TOML key | flag | environment | default | meaning |\n"
       "|---|---|---|---|---|\n");

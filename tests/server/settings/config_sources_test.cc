@@ -61,7 +61,9 @@ TEST(ConfigSourcesTest, TheEnvironmentNamesTheFileUnlessAFlagDoes) {
 TEST(ConfigSourcesTest, AFileThatIsNotThereIsNamed) {
   const absl::Status status = ReadConfig({.toml_file = "no/such.toml"}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
-  EXPECT_THAT(Message(status), HasSubstr("no/such.toml"));
+  EXPECT_THAT(Message(status), StartsWith("--config: no/such.toml: "));
+  EXPECT_THAT(Message(ReadConfig({.environment = {{"CURVEREG_SERVER_CONFIG", "no/such.toml"}}}).status()),
+              StartsWith("CURVEREG_SERVER_CONFIG: no/such.toml: "));
 }
 
 TEST(ConfigSourcesTest, TomlReadsEveryKind) {
@@ -95,6 +97,9 @@ TEST(ConfigSourcesTest, TomlErrorsNameFileAndLine) {
   EXPECT_THAT(TomlFailure("allow_plaintext = 1\n"), HasSubstr("true or false"));
   EXPECT_THAT(TomlFailure("[limits]\nmemory_bytes = '5 pounds'\n"), HasSubstr("512MiB"));
   EXPECT_THAT(TomlFailure("[limits]\nmemory_bytes = -1\n"), HasSubstr("limits.memory_bytes"));
+  EXPECT_THAT(TomlFailure("data_dir = \"a\\u0000b\"\n"), HasSubstr("data_dir: must not hold a zero byte"));
+  EXPECT_THAT(TomlFailure("['']\nlisten = '[::1]:0'\n"), HasSubstr("no setting is named \"\""));
+  EXPECT_THAT(TomlFailure("[log]\n\"level\\u0000\" = 'info'\n"), HasSubstr("no setting is named"));
   EXPECT_THAT(TomlFailure("a = 1\nlisten = \n"), StartsWith("server.toml:2: "));
 }
 
@@ -117,11 +122,29 @@ TEST(ConfigSourcesTest, TheEnvironmentIsTheServersAlone) {
                                      "CURVEREG_SERVER_SERVICE_PORT=1",
                                      "CURVEREG_SERVER_SERVICE_PORT_GRPC=1",
                                      "CURVEREG_SERVER_PORT=tcp://10.0.0.1:1",
-                                     "CURVEREG_SERVER_PORT_50051_TCP_ADDR=10.0.0.1",
-                                     "CURVEREG_SERVER_OPS_PORT_9464_TCP=tcp://10.0.0.1:1",
+                                     "CURVEREG_SERVER_PORT_50051_TCP=tcp://10.0.0.1:1",
+                                     "CURVEREG_SERVER_PORT_50051_TCP_PROTO=tcp",
+                                     "CURVEREG_SERVER_PORT_50051_TCP_PORT=50051",
+                                     "CURVEREG_SERVER_PORT_50051_TCP_ADDR=fd00::1",
+                                     "CURVEREG_SERVER_OPS_SERVICE_HOST=fd00::1",
+                                     "CURVEREG_SERVER_OPS_PORT=udp://[fd00::1]:1",
+                                     "CURVEREG_SERVER_OPS_PORT_9464_UDP=udp://10.0.0.1:1",
                                      nullptr};
   EXPECT_EQ(ServerEnvironment(environment),
             (Environment{{"CURVEREG_SERVER_LISTEN", "a=b"}, {"CURVEREG_SERVER_WRONG", "1"}}));
+}
+
+TEST(ConfigSourcesTest, WhatOnlyLooksLikeKubernetesIsNotLeftOut) {
+  for (const char* variable :
+       {"CURVEREG_SERVER_PORT=7777", "CURVEREG_SERVER_PORT=", "CURVEREG_SERVER_LISTEN_PORT=7777",
+        "CURVEREG_SERVER_OPS_PORT=127.0.0.1:9464", "CURVEREG_SERVER_SERVICE_HOST=station.example",
+        "CURVEREG_SERVER_SERVICE_PORT=tcp", "CURVEREG_SERVER_SERVICE_PORTAL=1", "CURVEREG_SERVER_PORT_50051=1",
+        "CURVEREG_SERVER_PORT_50051_TCP_NAME=x", "CURVEREG_SERVER_PORT_TCP=tcp://10.0.0.1:1"}) {
+    const char* const environment[] = {variable, nullptr};
+    ServerConfig config;
+    EXPECT_EQ(ApplyEnvironment(ServerEnvironment(environment), config).code(), absl::StatusCode::kInvalidArgument)
+        << variable;
+  }
 }
 
 TEST(ConfigSourcesTest, UnknownFlagsAndBadValuesAreNamed) {
@@ -192,7 +215,8 @@ TEST(SettingsTest, SizesTakeUnits) {
     ASSERT_TRUE(SetFromText(*memory, size.text, config).ok()) << size.text;
     EXPECT_EQ(config.limits.memory_bytes, size.bytes) << size.text;
   }
-  for (const char* text : {"", "MiB", "-1", "1.5GiB", "1 GiB ", "1gib", "0x10", " 1", "99999999999TiB", "1e3"}) {
+  for (const char* text :
+       {"", "MiB", "-1", "1.5GiB", "1 GiB ", "17 ", "1  GiB", "1gib", "0x10", " 1", "99999999999TiB", "1e3"}) {
     ServerConfig config;
     EXPECT_FALSE(SetFromText(*memory, text, config).ok()) << text;
     EXPECT_EQ(config.limits.memory_bytes, 0u) << text;

@@ -55,6 +55,15 @@ TEST(ServerConfigTest, EachBadSettingIsNamed) {
   }
 }
 
+TEST(ServerConfigTest, AValueOutOfRangeIsShownAsItIs) {
+  ServerConfig config;
+  config.limits.max_stored_bytes = ~uint64_t{0};
+  EXPECT_THAT(std::string(Validate(config).message()), HasSubstr("is 18446744073709551615"));
+  config = ServerConfig();
+  config.limits.max_uploads = -7;
+  EXPECT_THAT(std::string(Validate(config).message()), HasSubstr("is -7"));
+}
+
 TEST(ServerConfigTest, PlainTextOffLoopbackMustBeAskedForOrSecured) {
   ServerConfig config;
   config.listen = "0.0.0.0:0";
