@@ -16,10 +16,13 @@
 #include <string>
 #include <system_error>
 #include <variant>
+#include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "client/files/atomic_file.h"
 #include "core/register_scans.h"
 #include "server/access/access.h"
+#include "server/access/token_file.h"
 #include "server/heap_tuning.h"
 #include "server/operations/grpc_log.h"
 #include "server/operations/logging.h"
@@ -58,7 +61,8 @@ void RemoveOldPorts(const std::string& path) {
 absl::Status WritePorts(const std::string& path, const Server& server) {
   if (path.empty()) return absl::OkStatus();
   const nlohmann::ordered_json ports = {{"grpc_port", server.port()}, {"ops_port", server.ops_port()}};
-  return WriteFileAtomically(path, ports.dump() + "\n");
+  const absl::Status status = WriteFileAtomically(path, ports.dump() + "\n");
+  return status.ok() ? status : absl::Status(status.code(), absl::StrCat("--ports-file: ", status.message()));
 }
 
 void LogListening(const ServerConfig& config, const Server& server, Logger& logger) {
@@ -119,6 +123,9 @@ ExitStatus Run(const MakeTokenCommand& command) {
     absl::StatusOr<std::string> text = ReadSmallFile(command.append_to);
     if (absl::IsNotFound(text.status())) text = "";
     if (!text.ok()) return Fail(text.status());
+    // What is no token file must not become half of one: a server would go on with the tokens that it knows.
+    const absl::StatusOr<std::vector<TokenEntry>> entries = ParseTokenFile(*text, command.append_to);
+    if (!entries.ok()) return Fail(entries.status());
     if (!text->empty() && text->back() != '\n') *text += "\n";
     const absl::Status status = WriteFileAtomically(command.append_to, *text + token->toml);
     if (!status.ok()) return Fail(status);

@@ -128,7 +128,7 @@ std::unique_ptr<Access> Access::Open() { return std::make_unique<OpenAccess>(); 
 absl::StatusOr<std::unique_ptr<Access>> Access::FromFile(const std::string& path, int reload_seconds, Logger& logger) {
   auto access = std::make_unique<FileAccess>(path, logger);
   const absl::Status status = access->Read();
-  if (!status.ok()) return status;
+  if (!status.ok()) return absl::InvalidArgumentError(absl::StrCat("token_file: ", status.message()));
   access->KeepReading(std::chrono::seconds(std::max(1, reload_seconds)));
   return access;
 }

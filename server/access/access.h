@@ -22,9 +22,9 @@ class Access {
   // Everyone may do everything.
   static std::unique_ptr<Access> Open();
   // A TOML file of [[token]] tables: name, scope ("read", "write" or "admin"), sha256 (hexadecimal digest of the token;
-  // tokens themselves are not in the file). INVALID_ARGUMENT naming file and line; the errors of reading it. Read again
-  // when it changed, looked at every `reload_seconds`; one that cannot be read leaves the old one in force. Both are
-  // logged to `logger`, which outlives the answer.
+  // tokens themselves are not in the file). INVALID_ARGUMENT naming the setting, the file and, where it was read, the
+  // line. Read again when it changed, looked at every `reload_seconds`; one that cannot be read leaves the old one in
+  // force. Both are logged to `logger`, which outlives the answer.
   static absl::StatusOr<std::unique_ptr<Access>> FromFile(const std::string& path, int reload_seconds, Logger& logger);
   virtual ~Access() = default;
 

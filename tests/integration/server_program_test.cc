@@ -146,6 +146,34 @@ TEST_F(ServerProgramTest, WrongSettingsAreUsageErrors) {
   EXPECT_EQ(Run({"--config", "server.toml"}), 2);
   EXPECT_THAT(Err(), HasSubstr("server.toml:2: "));
   EXPECT_EQ(Run({"--config", "no-such-file.toml"}), 2);
+  EXPECT_THAT(Err(), HasSubstr("--config: no-such-file.toml"));
+}
+
+TEST_F(ServerProgramTest, AnEmptyValueIsNotTheNextArgument) {
+  ASSERT_EQ(Run({"--ops-listen=", "--token-file=", "--print-config"}), 0) << Err();
+  EXPECT_THAT(Out(), HasSubstr("\nops_listen = \"\""));
+  EXPECT_EQ(Run({"--data-dir=", "--token-file=tokens.toml", "--print-config"}), 2);
+  EXPECT_THAT(Err(), HasSubstr("data_dir: must not be empty"));
+  EXPECT_EQ(Run({"--limits-max-uploads=", "--print-config"}), 2);
+  EXPECT_THAT(Err(), HasSubstr("--limits-max-uploads: expected a whole number"));
+  for (const char* flag : {"--allow-plaintext", "--config", "--ports-file"}) {
+    EXPECT_EQ(Run({std::string(flag) + "=", "--print-config"}), 2) << flag;
+    EXPECT_THAT(Err(), HasSubstr(flag));
+  }
+  EXPECT_EQ(Run({"make-token", "--append-to=", "rover"}), 2);
+  EXPECT_THAT(Err(), HasSubstr("--append-to: must not be empty"));
+}
+
+TEST_F(ServerProgramTest, FilesThatAreNotThereAreWrongSettings) {
+  const std::vector<std::string> basics = {"--listen", "127.0.0.1:0", "--ops-listen=", "--data-dir=data"};
+  auto arguments = basics;
+  arguments.insert(arguments.end(), {"--token-file", "none.toml"});
+  EXPECT_EQ(Run(arguments), 2);
+  EXPECT_THAT(Err(), HasSubstr("token_file: none.toml"));
+  arguments = basics;
+  arguments.insert(arguments.end(), {"--tls-certificate-file", "none.pem", "--tls-key-file", "none.key"});
+  EXPECT_EQ(Run(arguments), 2);
+  EXPECT_THAT(Err(), HasSubstr("tls.certificate_file: none.pem"));
 }
 
 TEST_F(ServerProgramTest, PrintsItsSettingsAsAFileItReads) {
@@ -163,6 +191,10 @@ TEST_F(ServerProgramTest, MakesTokensThatItReads) {
   ASSERT_EQ(Run({"make-token", "ground", "--append-to", "tokens.toml"}), 0) << Err();
   EXPECT_EQ(Out().size(), 4 + 64 + 1u);  // the token and nothing else
   EXPECT_EQ(Run({"make-token", "two words", "--append-to", "tokens.toml"}), 2);
+  std::ofstream(folder_.File("settings.toml")) << "listen = 'localhost:0'\n";
+  EXPECT_EQ(Run({"make-token", "rover", "--append-to", "settings.toml"}), 2);
+  EXPECT_THAT(Err(), HasSubstr("settings.toml:1: "));
+  EXPECT_EQ(ReadAll(folder_.File("settings.toml")), "listen = 'localhost:0'\n");
   ASSERT_TRUE(Serve({"--drain-delay-ms", "0", "--token-file", "tokens.toml"}).is_object()) << Err();
   EXPECT_THAT(Err(), HasSubstr("\"tokens\":2"));
 }

@@ -113,8 +113,11 @@ TEST_F(AccessTest, ErrorsNameFileAndLine) {
 }
 
 TEST_F(AccessTest, AFileThatCannotBeReadIsAnError) {
-  EXPECT_EQ(Access::FromFile(folder_.File("none"), 1, *logger_).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(Access::FromFile(Write("nonsense"), 1, *logger_).status().code(), absl::StatusCode::kInvalidArgument);
+  for (const std::string& path : {folder_.File("none"), folder_.path(), Write("nonsense")}) {
+    const absl::Status status = Access::FromFile(path, 1, *logger_).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << path;
+    EXPECT_EQ(std::string(status.message()).rfind("token_file: " + path + ":", 0), 0u) << status;
+  }
 }
 
 // Whether the answer to this token becomes `expected` within ten seconds.
