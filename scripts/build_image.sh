@@ -9,12 +9,13 @@
 # `podman load -i` take. STORE/environment, sourced, makes podman and buildah work on STORE.
 #
 # usage: build_image.sh [--engine docker|buildah|podman] [--tag NAME] [--store DIR] [--base IMAGE] [--bootstrap-base]
-#                       [--jobs N] [--no-save]
+#                       [--fresh] [--jobs N] [--no-save]
 #   --tag NAME          default: curvereg:latest
 #   --store DIR         default: build/image
 #   --base IMAGE        default: debian:bookworm-slim, pulled unless it is there
 #   --bootstrap-base    make the base image from Debian's packages; also done when it cannot be pulled. Needs root and
 #                       debootstrap
+#   --fresh             pull or make the base anew and use no layer of an earlier build: takes Debian's updates in
 #   --jobs N            parallel compilations; default: one per processor
 #   --no-save           no STORE/curvereg.tar
 set -euo pipefail
@@ -26,6 +27,7 @@ tag=curvereg:latest
 store=build/image
 base=debian:bookworm-slim
 bootstrap=no
+fresh=no
 jobs=
 save=yes
 
@@ -42,6 +44,7 @@ while [ $# -gt 0 ]; do
       shift 2
       ;;
     --bootstrap-base) bootstrap=yes && shift ;;
+    --fresh) fresh=yes && shift ;;
     --no-save) save=no && shift ;;
     *) die "unknown argument '$1'; the head of this file tells the arguments" ;;
   esac
@@ -84,7 +87,8 @@ C
   . "$store/environment"
 }
 
-have_image() { "$engine" inspect --type image "$1" >/dev/null 2>&1; }
+# One that need not be made anew.
+have_image() { [ "$fresh" = no ] && "$engine" inspect --type image "$1" >/dev/null 2>&1; }
 
 import_base() {  # import_base TAR NAME
   case $engine in
@@ -160,6 +164,7 @@ build() {
   [ -z "$(git status --porcelain --untracked-files=no 2>/dev/null)" ] || revision=$revision-modified
   arguments=(-f docker/Dockerfile -t "$tag" --network host --build-arg "BASE_IMAGE=$base" --build-arg "JOBS=$jobs"
     --build-arg "VERSION=$(sed -nE 's/^ *VERSION ([0-9.]+)$/\1/p' CMakeLists.txt)" --build-arg "REVISION=$revision")
+  [ "$fresh" = no ] || arguments+=(--no-cache)
   case $engine in
     docker) DOCKER_BUILDKIT=1 docker build "${arguments[@]}" . ;;
     # The health check is Docker's format only.
