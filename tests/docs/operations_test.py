@@ -69,6 +69,21 @@ class Documents(unittest.TestCase):
         self.assertGreater(len(logged), 5)
         self.assertEqual(set(names(row[0] for row in rows("Log", 1))), logged)
 
+    def test_log_fields(self):
+        told = {names([row[0]])[0]: set(names([row[2]])) for row in rows("Log", 1)}
+        lines = re.findall(r'\b(?:[Ll]ogger_?\)?(?:\.|->)(?:Debug|Info|Warning|Error)|Write)\((?:[\w:]+, )?\s*"(\w+)",\s*'
+                           r"\{(\{.*?\})\}\);", sources("server"), re.S)
+        self.assertGreater(len(lines), 15)
+        for event, fields in lines:
+            self.assertEqual(told[event], set(re.findall(r'\{"(\w+)",', fields)), event)
+
+    def test_options_of_the_client(self):
+        code = (ROOT / "client/cli/service_access.cc").read_text()
+        section = DOCUMENT.split("**Clients.**")[1].split("\n## ")[0]
+        told = set(re.findall(r"`--([a-z-]+)", section))
+        self.assertEqual(told, set(re.findall(r'_(?:option|flag)\("--([a-z-]+)', code)))
+        self.assertEqual(set(re.findall(r"CURVEREG_\w+", section)), set(re.findall(r'"(CURVEREG_\w+)"', code)))
+
     def test_alarms(self):
         alerts = (ROOT / "docker/alerts.yml").read_text()
         defined = list(zip(re.findall(r"alert: (\w+)", alerts), re.findall(r"severity: (\w+)", alerts)))
