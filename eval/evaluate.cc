@@ -53,8 +53,15 @@ class ScanShelf {
   ScanCache cache_;
 };
 
+// The caller gave up, the server is gone, or it will refuse every other call as well.
+bool EndsEvaluation(const absl::Status& error) {
+  return absl::IsCancelled(error) || absl::IsUnavailable(error) || absl::IsUnauthenticated(error) ||
+         absl::IsPermissionDenied(error);
+}
+
+// The error of the call goes into `failure`, unless it ends the evaluation.
 absl::Status Answer(const EvaluationOptions& options, const RegistrationOptions& registration, ScanShelf& shelf,
-                    PairOutcome& outcome) {
+                    PairOutcome& outcome, absl::Status& failure) {
   const auto source = shelf.Get(outcome.source);
   if (!source.ok()) return source.status();
   const auto target = shelf.Get(outcome.target);
@@ -63,12 +70,13 @@ absl::Status Answer(const EvaluationOptions& options, const RegistrationOptions&
   const auto start = std::chrono::steady_clock::now();
   absl::StatusOr<RegistrationResult> result = options.register_scans(**source, **target, registration);
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (absl::IsCancelled(result.status()) || absl::IsUnavailable(result.status())) return result.status();
+  if (EndsEvaluation(result.status())) return result.status();
   if (result.ok()) {
     outcome.seconds = result->total_seconds;
     outcome.result = *std::move(result);
   } else {
-    outcome.error = std::string(result.status().message());
+    failure = result.status();
+    outcome.error = std::string(failure.message());
   }
   return absl::OkStatus();
 }
@@ -84,6 +92,8 @@ absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<St
   EvaluationProgress progress;
   progress.num_total = static_cast<int>(questions.size() * options.methods.size());
   Evaluation evaluation{.dataset = dataset.folder, .methods = {}};
+  absl::Status failure;
+  int num_failures = 0;
   for (const Method method : options.methods) {
     RegistrationOptions registration = options.registration;
     registration.method = method;
@@ -93,14 +103,16 @@ absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<St
     for (PairOutcome& outcome : run.outcomes) {
       // Asked here, too: pairs whose registrations are over in no time would never notice.
       if (registration.cancellation.stop_requested()) return absl::CancelledError("interrupted");
-      const absl::Status status = Answer(options, registration, shelf, outcome);
+      const absl::Status status = Answer(options, registration, shelf, outcome, failure);
       if (!status.ok()) return status;
+      num_failures += !outcome.error.empty();
       ++progress.num_done;
       progress.last = &outcome;
       if (options.progress) options.progress(progress);
     }
     run.summary = Summarise(run.outcomes);
   }
+  if (num_failures == progress.num_total) return failure;
   return evaluation;
 }
 

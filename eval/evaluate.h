@@ -48,8 +48,9 @@ struct Evaluation {
 };
 
 // Scans are read before the clock starts. A registration that cannot be done is an outcome with an `error`; a scan
-// that cannot be read, CANCELLED and UNAVAILABLE end the evaluation with that error. INVALID_ARGUMENT: nothing to
-// evaluate, or a pair names a scan that the data set does not have.
+// that cannot be read, and CANCELLED, UNAVAILABLE, UNAUTHENTICATED or PERMISSION_DENIED, end the evaluation with that
+// error. When no registration at all could be done, the error of the last. INVALID_ARGUMENT: nothing to evaluate, or a
+// pair names a scan that the data set does not have.
 absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<StrangerPair>& strangers,
                                     const EvaluationOptions& options);
 

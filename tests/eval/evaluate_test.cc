@@ -110,6 +110,30 @@ TEST_F(EvaluateTest, CancellationAndUnreadableScansEndIt) {
   EXPECT_EQ(Evaluate(dataset_, {}, options_).status().message(), "somewhere/1.pcd");
 }
 
+TEST_F(EvaluateTest, ARefusalOfEveryCallEndsItAtOnce) {
+  int num_calls = 0;
+  absl::Status refusal;
+  options_.register_scans = [&](const Scan&, const Scan&, const RegistrationOptions&) {
+    ++num_calls;
+    return absl::StatusOr<RegistrationResult>(refusal);
+  };
+  for (const absl::Status& status : {absl::UnavailableError("gone"), absl::UnauthenticatedError("no token"),
+                                     absl::PermissionDeniedError("read only")}) {
+    refusal = status;
+    num_calls = 0;
+    EXPECT_EQ(Evaluate(dataset_, {}, options_).status(), status);
+    EXPECT_EQ(num_calls, 1) << status;
+  }
+}
+
+TEST_F(EvaluateTest, NoFiguresComeOfCallsThatAllFailed) {
+  options_.register_scans = [](const Scan&, const Scan&, const RegistrationOptions&) {
+    return absl::StatusOr<RegistrationResult>(absl::ResourceExhaustedError("too large"));
+  };
+  options_.methods = {Method::kPaper, Method::kIcp};
+  EXPECT_EQ(Evaluate(dataset_, {}, options_).status(), absl::ResourceExhaustedError("too large"));
+}
+
 TEST_F(EvaluateTest, StopsBetweenPairsWhenCancelled) {
   std::stop_source stop;
   options_.registration.cancellation = stop.get_token();
