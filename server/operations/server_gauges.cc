@@ -20,6 +20,16 @@ double DiskBytes(const std::string& folder) {
   return error ? 0.0 : static_cast<double>(space.capacity);
 }
 
+// Names in a folder; 0 when there is no such folder.
+double NumFiles(const std::string& folder) {
+  std::error_code error;
+  double count = 0.0;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 void AddServerGauges(Metrics& metrics, const GaugeSources& sources) {
@@ -66,6 +76,8 @@ void AddStoreGauges(Metrics& metrics, ScanStore& store, uint64_t max_stored_byte
                    [max_stored_bytes] { return static_cast<double>(max_stored_bytes); });
   metrics.SetGauge("curvereg_store_damaged_scans", "Stored scans found damaged",
                    [scans] { return static_cast<double>(scans->DamagedScans().size()); });
+  metrics.SetGauge("curvereg_store_lost_files", "Files set aside because no record names them",
+                   [lost = ScanStore::LostFolder(folder)] { return NumFiles(lost); });
   metrics.SetGauge("curvereg_store_disk_free_bytes", "Free bytes of the disk that holds the store",
                    [folder] { return FreeBytes(folder); });
   metrics.SetGauge("curvereg_store_disk_bytes", "Bytes of the disk that holds the store",

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/payload_files.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,7 +12,6 @@
 #include <utility>
 
 #include "absl/strings/escaping.h"
-#include "server/store/store_file.h"
 #include "wire/digest.h"
 
 namespace curvereg::server {
@@ -61,10 +59,11 @@ absl::StatusOr<std::vector<std::string>> PayloadFiles::List() const {
   return digests;
 }
 
+std::optional<FileInfo> PayloadFiles::LookAt(const std::string& digest) const { return server::LookAt(PathOf(digest)); }
+
 bool PayloadFiles::HasSize(const std::string& digest, uint64_t bytes) const {
-  struct stat info {};
-  return stat(PathOf(digest).c_str(), &info) == 0 && S_ISREG(info.st_mode) &&
-         static_cast<uint64_t>(info.st_size) == bytes;
+  const std::optional<FileInfo> info = LookAt(digest);
+  return info.has_value() && info->bytes == bytes;
 }
 
 PayloadFiles::State PayloadFiles::Check(const std::string& digest, uint64_t bytes) const {

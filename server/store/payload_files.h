@@ -8,11 +8,13 @@
 #define CURVEREG_SERVER_STORE_PAYLOAD_FILES_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "server/store/store_file.h"
 
 namespace curvereg::server {
 
@@ -25,7 +27,10 @@ class PayloadFiles {
   // Digests of all files that are named like payloads.
   absl::StatusOr<std::vector<std::string>> List() const;
 
-  // What the file system tells, unread. False: none there, or of another size.
+  std::string PathOf(const std::string& digest) const;
+  // What the file system tells, unread. None: no such file.
+  std::optional<FileInfo> LookAt(const std::string& digest) const;
+  // False: none there, or of another size.
   bool HasSize(const std::string& digest, uint64_t bytes) const;
   enum class State { kAbsent, kDamaged, kIntact };
   // Reads the whole file and checks its digest.
@@ -42,7 +47,6 @@ class PayloadFiles {
  private:
   std::string FolderOf(const std::string& digest) const;
   bool HasDigest(const std::string& digest, uint64_t bytes) const;
-  std::string PathOf(const std::string& digest) const;
 
   std::string folder_;
 };

@@ -6,9 +6,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/store/scan_store_impl.h"
+#include "wire/digest.h"
 #include "wire/error.h"
 
 namespace curvereg::server {
+namespace {
+
+constexpr uint64_t kCheckedBytes = uint64_t{1} << 20;  // read at once
+
+}  // namespace
 
 absl::StatusOr<UploadWriter::Committed> ScanStoreImpl::CommitUpload(Upload& upload, StoreFile& file, StoredScan scan) {
   const absl::StatusOr<uint64_t> size = file.Size();
@@ -35,6 +41,7 @@ absl::StatusOr<UploadWriter::Committed> ScanStoreImpl::AddScan(Upload& upload, S
   const absl::StatusOr<std::vector<std::string>> sharing = folder_.catalog->ScansWithPayload(digest);
   if (!sharing.ok()) return sharing.status();
   const std::string source = uploads_.PathOf(upload.description.id);
+  folder_.removals.Clear(LabelOf(digest));  // of one that could not be removed
   absl::Status status = folder_.payloads.Add(digest, source, state == PayloadFiles::State::kDamaged);
   if (!status.ok()) return status;
   if (known->has_value()) {
@@ -79,17 +86,25 @@ absl::Status ScanStoreImpl::RemoveScan(const std::string& scan_id) {
   const std::string& digest = scan->payload_digest.value();
   const absl::StatusOr<std::vector<std::string>> sharing = folder_.catalog->ScansWithPayload(digest);
   if (!sharing.ok()) return sharing.status();
-  if (absl::Status status = folder_.catalog->RemoveScan(scan_id); !status.ok()) return status;
+  const bool is_last = sharing->size() == 1;
+  const std::string label = LabelOf(digest);
+  if (is_last) folder_.removals.Set(folder_.payloads.PathOf(digest), label);
+  if (absl::Status status = folder_.catalog->RemoveScan(scan_id); !status.ok()) {
+    if (is_last) folder_.removals.Clear(label);
+    return status;
+  }
   --num_scans_;
-  if (sharing->size() == 1) {
+  if (is_last) {
     // A file that stays behind is removed at the next start.
-    static_cast<void>(folder_.payloads.Remove(digest));
+    if (folder_.payloads.Remove(digest).ok()) folder_.removals.Clear(label);
     space_.RemovePayload(scan->payload_bytes);
   }
   const std::lock_guard damaged_lock(damaged_mutex_);
   damaged_.erase(scan_id);
   return absl::OkStatus();
 }
+
+std::string ScanStoreImpl::LabelOf(const std::string& digest) { return "payload-" + wire::HexText(digest); }
 
 bool ScanStoreImpl::IsDamaged(const std::string& scan_id) const {
   const std::lock_guard lock(damaged_mutex_);
@@ -108,6 +123,21 @@ absl::Status ScanStoreImpl::MarkPayload(const std::string& digest, bool is_damag
     }
   }
   return absl::OkStatus();
+}
+
+absl::Status ScanStoreImpl::CheckScan(const std::string& scan_id) {
+  const absl::StatusOr<StoredScan> scan = GetScan(scan_id);
+  if (!scan.ok()) return scan.status();
+  absl::StatusOr<wire::Digester> digester = wire::Digester::Create(v1::DIGEST_ALGORITHM_XXH3_128);
+  if (!digester.ok()) return digester.status();
+  for (uint64_t offset = 0; offset < scan->payload_bytes; offset += kCheckedBytes) {
+    const absl::StatusOr<std::string> piece = ReadPayload(scan_id, offset, kCheckedBytes);
+    if (!piece.ok()) return piece.status();
+    digester->Update(*piece);
+  }
+  if (wire::SameDigest(digester->Digest(), scan->payload_digest)) return absl::OkStatus();
+  const absl::Status marked = MarkPayload(scan->payload_digest.value(), true);
+  return marked.ok() ? DamagedError(scan_id) : marked;
 }
 
 absl::Status ScanStoreImpl::DamagedError(const std::string& scan_id) const {

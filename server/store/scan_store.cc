@@ -21,6 +21,7 @@ namespace {
 constexpr char kLockName[] = "/lock";
 constexpr char kDatabaseName[] = "/curvereg.db";
 constexpr char kPayloadsName[] = "/payloads";
+constexpr char kRemovalsName[] = "/removing";
 constexpr char kSpareName[] = "/spare";
 constexpr char kUploadsName[] = "/uploads";
 constexpr int64_t kNewest = std::numeric_limits<int64_t>::max();
@@ -43,7 +44,12 @@ absl::StatusOr<StoreFolder> OpenFolder(const std::string& path) {
   if (status.ok()) status = MakeFolder(path + kUploadsName);
   if (status.ok()) status = SyncFolder(path);
   if (!status.ok()) return status;
-  return StoreFolder{path, *std::move(lock), PayloadFiles(path + kPayloadsName), SpareSpace(path + kSpareName),
+  return StoreFolder{path,
+                     *std::move(lock),
+                     PayloadFiles(path + kPayloadsName),
+                     LostFiles(ScanStore::LostFolder(path)),
+                     RemovalMarks(path + kRemovalsName),
+                     SpareSpace(path + kSpareName),
                      nullptr};
 }
 
@@ -73,40 +79,7 @@ absl::StatusOr<std::unique_ptr<ScanStore>> ScanStore::Open(const std::string& fo
 ScanStoreImpl::ScanStoreImpl(StoreFolder folder, const ScanStoreOptions& options)
     : folder_(std::move(folder)),
       space_(options.max_stored_bytes),
-      uploads_(folder_.path + kUploadsName, options, *folder_.catalog, space_) {}
-
-absl::Status ScanStoreImpl::LookOver() {
-  std::set<std::string> payloads;
-  for (int64_t before = kNewest;;) {
-    const absl::StatusOr<std::vector<CatalogedScan>> scans = folder_.catalog->ListScans(before, kMaxPageSize);
-    if (!scans.ok()) return scans.status();
-    if (scans->empty()) break;
-    for (const CatalogedScan& scan : *scans) LookOverScan(scan.scan, payloads);
-    before = scans->back().sequence;
-  }
-  const absl::Status status = RemoveOrphans(payloads);
-  return status.ok() ? uploads_.Load() : status;
-}
-
-void ScanStoreImpl::LookOverScan(const StoredScan& scan, std::set<std::string>& payloads) {
-  const std::string& digest = scan.payload_digest.value();
-  ++num_scans_;
-  if (payloads.insert(digest).second) space_.AddPayload(scan.payload_bytes);
-  // The id vouches for header and digest.
-  if (scan.id != ScanId(scan.header, scan.payload_digest) || !folder_.payloads.HasSize(digest, scan.payload_bytes)) {
-    damaged_.insert(scan.id);
-  }
-}
-
-absl::Status ScanStoreImpl::RemoveOrphans(const std::set<std::string>& payloads) {
-  const absl::StatusOr<std::vector<std::string>> digests = folder_.payloads.List();
-  if (!digests.ok()) return digests.status();
-  for (const std::string& digest : *digests) {
-    if (payloads.contains(digest)) continue;
-    if (absl::Status status = folder_.payloads.Remove(digest); !status.ok()) return status;
-  }
-  return absl::OkStatus();
-}
+      uploads_(folder_.path + kUploadsName, options, *folder_.catalog, folder_.removals, space_) {}
 
 absl::StatusOr<std::unique_ptr<UploadWriter>> ScanStoreImpl::BeginUpload(const UploadDescription& description) {
   absl::StatusOr<UploadTable::Grant> grant = uploads_.Begin(description);

@@ -59,6 +59,13 @@ struct StoreStatistics {
   uint64_t stored_bytes = 0;  // payloads and unfinished uploads
 };
 
+// What was amiss when the store was opened, besides damaged scans.
+struct StoreFindings {
+  // Files with bytes that may have been acknowledged, but that no row named: they were moved to LostFolder.
+  uint64_t num_lost_files = 0;
+  std::vector<std::string> emptied_uploads;  // ids of unfinished uploads whose bytes were gone: they go on at 0
+};
+
 struct ScanPage {
   std::vector<StoredScan> scans;  // newest first
   std::string next_page_token;    // empty: the last page
@@ -68,12 +75,15 @@ class UploadWriter;
 
 class ScanStore {
  public:
-  // Creates the folder if need be, locks it, and looks the store over: files that no row names are removed, rows whose
-  // file is missing or of another size are reported by DamagedScans() and refused on reading. DATA_LOSS: the database
-  // itself is damaged, message names it; FAILED_PRECONDITION: another process has the folder, or a newer version made
-  // it; others: the folder cannot be used.
+  // Creates the folder if need be, locks it, and looks the store over: what an interrupted commit or deletion left
+  // behind is removed, other files that no row names are set aside (see Findings), rows whose file is missing or of
+  // another size are reported by DamagedScans() and refused on reading. DATA_LOSS: the database itself is damaged,
+  // message names it; FAILED_PRECONDITION: another process has the folder, or a newer version made it; others: the
+  // folder cannot be used.
   static absl::StatusOr<std::unique_ptr<ScanStore>> Open(const std::string& folder, const ScanStoreOptions& options);
   virtual ~ScanStore() = default;
+  // Where lost files are kept until somebody has looked at them.
+  static std::string LostFolder(const std::string& folder) { return folder + "/lost"; }
 
   // Begins or resumes. The writer given out before for this upload is fenced off: its calls fail with WRITER_REPLACED.
   // Coming back counts as progress. INVALID_FIELD "upload" or "payload_bytes" (0), UPLOAD_DIFFERS, TOO_MANY_UPLOADS,
@@ -90,6 +100,9 @@ class ScanStore {
   virtual absl::StatusOr<std::string> ReadPayload(const std::string& scan_id, uint64_t offset, uint64_t size) = 0;
   // The whole payload, its digest checked: STORED_SCAN_DAMAGED when it differs.
   virtual absl::StatusOr<std::string> ReadWholePayload(const std::string& scan_id) = 0;
+  // Reads the whole payload, a piece at a time, and checks its digest: STORED_SCAN_DAMAGED, which is remembered;
+  // SCAN_NOT_FOUND. For who has found damage.
+  virtual absl::Status CheckScan(const std::string& scan_id) = 0;
   // INVALID_FIELD "page_token": not one of ours.
   virtual absl::StatusOr<ScanPage> ListScans(int page_size, const std::string& page_token) = 0;
   virtual absl::Status DeleteScan(const std::string& scan_id) = 0;  // SCAN_NOT_FOUND
@@ -101,6 +114,7 @@ class ScanStore {
   virtual StoreStatistics Statistics() = 0;
   // Ids of scans found damaged at start-up or since.
   virtual std::vector<std::string> DamagedScans() = 0;
+  virtual StoreFindings Findings() = 0;
 };
 
 // The right to go on with one upload, until another writer of the same upload is begun. Used by one thread at a time.

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The parts of a store, put together. For scan_store.cc, upload_writer.cc and nobody else.
+// The parts of a store, put together. For scan_store.cc, scan_changes.cc, store_recovery.cc, upload_writer.cc and
+// nobody else.
 #ifndef CURVEREG_SERVER_STORE_SCAN_STORE_IMPL_H_
 #define CURVEREG_SERVER_STORE_SCAN_STORE_IMPL_H_
 
@@ -15,7 +16,9 @@
 #include <string>
 #include <vector>
 
+#include "server/store/lost_files.h"
 #include "server/store/payload_files.h"
+#include "server/store/removal_marks.h"
 #include "server/store/scan_catalog.h"
 #include "server/store/scan_store.h"
 #include "server/store/spare_space.h"
@@ -30,6 +33,8 @@ struct StoreFolder {
   std::string path;
   StoreFile lock;
   PayloadFiles payloads;
+  LostFiles lost;
+  RemovalMarks removals;
   SpareSpace spare;
   std::unique_ptr<ScanCatalog> catalog;
 };
@@ -47,11 +52,13 @@ class ScanStoreImpl final : public ScanStore {
   absl::StatusOr<StoredScan> GetScan(const std::string& scan_id) override;
   absl::StatusOr<std::string> ReadPayload(const std::string& scan_id, uint64_t offset, uint64_t size) override;
   absl::StatusOr<std::string> ReadWholePayload(const std::string& scan_id) override;
+  absl::Status CheckScan(const std::string& scan_id) override;
   absl::StatusOr<ScanPage> ListScans(int page_size, const std::string& page_token) override;
   absl::Status DeleteScan(const std::string& scan_id) override;
   absl::Status WithSpareSpace(const std::function<absl::Status()>& work) override;
   StoreStatistics Statistics() override;
   std::vector<std::string> DamagedScans() override;
+  StoreFindings Findings() override { return {folder_.lost.num_taken(), uploads_.emptied()}; }
 
   // For writers. Makes a complete upload the scan `scan`. Precondition: upload.mutex is held.
   absl::StatusOr<UploadWriter::Committed> CommitUpload(Upload& upload, StoreFile& file, StoredScan scan);
@@ -60,8 +67,16 @@ class ScanStoreImpl final : public ScanStore {
  private:
   absl::StatusOr<UploadWriter::Committed> AddScan(Upload& upload, StoredScan scan, PayloadFiles::State state);
   absl::Status RemoveScan(const std::string& scan_id);
-  void LookOverScan(const StoredScan& scan, std::set<std::string>& payloads);
-  absl::Status RemoveOrphans(const std::set<std::string>& payloads);
+  // What the rows name.
+  struct Named {
+    std::set<std::string> payloads;  // digests
+    std::set<FileIdentity> shared;   // payload files that have another name, too
+  };
+  void LookOverScan(const StoredScan& scan, Named& named);
+  absl::Status SetOrphansAside(const Named& named);
+  // Of a payload among lost files and marks.
+  static std::string LabelOf(const std::string& digest);
+  absl::Status SetAside(const std::string& path, const std::string& name);
   bool IsDamaged(const std::string& scan_id) const;
   // All scans with this payload.
   absl::Status MarkPayload(const std::string& digest, bool is_damaged);

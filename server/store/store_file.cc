@@ -154,6 +154,12 @@ absl::StatusOr<std::vector<std::string>> ListFolder(const std::string& path) {
   return names;
 }
 
+std::optional<FileInfo> LookAt(const std::string& path) {
+  struct stat info {};
+  if (lstat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
+  return FileInfo{{info.st_dev, info.st_ino}, static_cast<uint64_t>(info.st_size), uint64_t{info.st_nlink}};
+}
+
 absl::Status RemoveFile(const std::string& path) {
   if (unlink(path.c_str()) == 0 || errno == ENOENT) return absl::OkStatus();
   return FileError(path, "cannot remove", errno);

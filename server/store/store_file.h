@@ -6,7 +6,11 @@
 #ifndef CURVEREG_SERVER_STORE_STORE_FILE_H_
 #define CURVEREG_SERVER_STORE_STORE_FILE_H_
 
+#include <sys/types.h>
+
+#include <compare>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -60,6 +64,19 @@ absl::Status SyncFolder(const std::string& path);
 absl::Status MakeFolder(const std::string& path);
 // Names of what is in a folder, in no order.
 absl::StatusOr<std::vector<std::string>> ListFolder(const std::string& path);
+// What a regular file is known by, whatever its names.
+struct FileIdentity {
+  dev_t device = 0;
+  ino_t inode = 0;
+  auto operator<=>(const FileIdentity&) const = default;
+};
+struct FileInfo {
+  FileIdentity identity;
+  uint64_t bytes = 0;
+  uint64_t num_names = 0;  // hard links
+};
+// None: no regular file of this name.
+std::optional<FileInfo> LookAt(const std::string& path);
 // Removes a file; none there is no error.
 absl::Status RemoveFile(const std::string& path);
 // Bytes that may still be written to the file system of a folder; no limit when it does not tell.

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -37,6 +38,9 @@ bool SameUpload(const UploadDescription& a, const UploadDescription& b) {
   return same_digest && a.payload_bytes == b.payload_bytes && CanonicalHeader(a.header) == CanonicalHeader(b.header);
 }
 
+// Of an upload among lost files and marks.
+std::string LabelOf(const std::string& upload_id) { return "upload-" + upload_id; }
+
 absl::Status StoreFullError(uint64_t declared_bytes) {
   return wire::MakeError(v1::ERROR_REASON_STORAGE_FULL, "the declared bytes do not fit into the store",
                          {{"value", absl::StrCat(declared_bytes)}});
@@ -44,10 +48,11 @@ absl::Status StoreFullError(uint64_t declared_bytes) {
 
 }  // namespace
 
-UploadTable::UploadTable(std::string folder, const ScanStoreOptions& options, ScanCatalog& catalog, StoreSpace& space)
-    : folder_(std::move(folder)), options_(options), catalog_(catalog), space_(space) {}
+UploadTable::UploadTable(std::string folder, const ScanStoreOptions& options, ScanCatalog& catalog,
+                         const RemovalMarks& removals, StoreSpace& space)
+    : folder_(std::move(folder)), options_(options), catalog_(catalog), removals_(removals), space_(space) {}
 
-absl::Status UploadTable::Load() {
+absl::Status UploadTable::Load(const std::set<FileIdentity>& stored, const SetAside& set_aside) {
   const absl::StatusOr<std::vector<UploadDescription>> descriptions = catalog_.Uploads();
   if (!descriptions.ok()) return descriptions.status();
   for (const UploadDescription& description : *descriptions) {
@@ -57,20 +62,40 @@ absl::Status UploadTable::Load() {
   if (!names.ok()) return names.status();
   for (const std::string& name : *names) {
     if (!IsUploadId(name) || Find(name) != nullptr) continue;
-    if (absl::Status status = RemoveFile(PathOf(name)); !status.ok()) return status;
+    const std::optional<FileInfo> file = LookAt(PathOf(name));
+    if (!file.has_value()) continue;
+    // Whoever is stopped while an upload begins leaves an empty file; while it is committed, one that is a payload by
+    // now; while it is dropped, a marked one. Anything else had a row when it was acknowledged.
+    const bool is_left_over =
+        file->bytes == 0 || stored.contains(file->identity) || removals_.IsSet(PathOf(name), LabelOf(name));
+    const absl::Status status = is_left_over ? RemoveFile(PathOf(name)) : set_aside(PathOf(name), LabelOf(name));
+    if (!status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
+std::set<FileIdentity> UploadTable::Files() const {
+  const std::lock_guard lock(mutex_);
+  std::set<FileIdentity> files;
+  for (const auto& [id, upload] : uploads_) {
+    if (const std::optional<FileInfo> info = LookAt(PathOf(id)); info.has_value()) files.insert(info->identity);
+  }
+  return files;
+}
+
 absl::Status UploadTable::Adopt(const UploadDescription& description) {
+  // Files are made before their rows.
+  const bool was_there = LookAt(PathOf(description.id)).has_value();
   absl::StatusOr<StoreFile> file = StoreFile::OpenToWrite(PathOf(description.id));
   if (!file.ok()) return file.status();
   absl::StatusOr<uint64_t> size = file->Size();
   if (!size.ok()) return size.status();
-  if (*size > description.payload_bytes) {  // nothing of ours wrote that
+  const bool is_longer = *size > description.payload_bytes;  // nothing of ours wrote that
+  if (is_longer) {
     if (absl::Status status = file->Truncate(0); !status.ok()) return status;
     size = 0;
   }
+  if (!was_there || is_longer) emptied_.push_back(description.id);
   auto upload = std::make_shared<Upload>();
   upload->description = description;
   upload->committed_offset = *size;
@@ -134,8 +159,13 @@ absl::StatusOr<UploadTable::Grant> UploadTable::BeginNew(const UploadDescription
   const std::lock_guard lock(upload->mutex);
   if (absl::Status status = Admit(upload); !status.ok()) return status;
   // Bytes that an earlier upload of this name left behind, if its file could not be removed, are none of this one's.
-  absl::StatusOr<StoreFile> file = StoreFile::OpenToWrite(PathOf(description.id));
-  absl::Status status = file.ok() ? file->Truncate(0) : file.status();
+  // The file may be a payload by now, so it is not written to.
+  absl::Status status = RemoveFile(PathOf(description.id));
+  absl::StatusOr<StoreFile> file = absl::UnknownError("not opened");
+  if (status.ok()) {
+    file = StoreFile::OpenToWrite(PathOf(description.id));
+    status = file.status();
+  }
   if (status.ok()) status = catalog_.PutUpload(description);
   if (status.ok()) return Grant{upload, ++upload->writer_epoch, upload->committed_offset, *std::move(file)};
   End(*upload);
@@ -192,15 +222,29 @@ void UploadTable::AddProgress(Upload& upload, uint64_t bytes) {
 }
 
 void UploadTable::Drop(Upload& upload) {
-  // A row that stays behind, on a full disk for example, is an upload without bytes at the next start, and expires.
-  static_cast<void>(catalog_.RemoveUpload(upload.description.id));
+  const std::string& id = upload.description.id;
+  removals_.Set(PathOf(id), LabelOf(id));
+  const bool has_row = !catalog_.RemoveUpload(id).ok();
+  if (has_row) {
+    // On a full disk for example: an upload without bytes at the next start, which expires.
+    removals_.Clear(LabelOf(id));
+    const std::optional<FileInfo> file = LookAt(PathOf(id));
+    const bool is_payload = file.has_value() && file->num_names > 1;
+    absl::StatusOr<StoreFile> emptied = StoreFile::OpenToWrite(PathOf(id));
+    if (!is_payload && emptied.ok() && emptied->Truncate(0).ok()) return Forget(upload);
+  }
   End(upload);
 }
 
 void UploadTable::End(Upload& upload) {
+  const std::string& id = upload.description.id;
+  // One that stays behind, marked or a payload by now, is removed at the next start.
+  if (RemoveFile(PathOf(id)).ok()) removals_.Clear(LabelOf(id));
+  Forget(upload);
+}
+
+void UploadTable::Forget(Upload& upload) {
   upload.has_ended = true;
-  // One that stays behind is removed at the next start.
-  static_cast<void>(RemoveFile(PathOf(upload.description.id)));
   space_.Release(upload.description.payload_bytes, upload.committed_offset);
   const std::lock_guard lock(mutex_);
   uploads_.erase(upload.description.id);

@@ -7,14 +7,17 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "server/store/removal_marks.h"
 #include "server/store/scan_catalog.h"
 #include "server/store/scan_store.h"
 #include "server/store/store_file.h"
@@ -39,10 +42,18 @@ struct Upload {
 class UploadTable {
  public:
   // Locks are taken in the order Upload::mutex, then the table's own.
-  UploadTable(std::string folder, const ScanStoreOptions& options, ScanCatalog& catalog, StoreSpace& space);
+  UploadTable(std::string folder, const ScanStoreOptions& options, ScanCatalog& catalog, const RemovalMarks& removals,
+              StoreSpace& space);
 
-  // Takes over what an earlier process left; files that no row names are removed.
-  absl::Status Load();
+  // Moves the file at `path` to where lost files are, under `name`.
+  using SetAside = std::function<absl::Status(const std::string& path, const std::string& name)>;
+  // Takes over what an earlier process left. A file that no row names is removed when it is empty, marked or one of
+  // `stored`, the payloads with another name; else it is set aside.
+  absl::Status Load(const std::set<FileIdentity>& stored, const SetAside& set_aside);
+  // Of the files of all uploads.
+  std::set<FileIdentity> Files() const;
+  // Ids of uploads that were taken over without their bytes.
+  const std::vector<std::string>& emptied() const { return emptied_; }
 
   // The right to write: valid while the upload goes on and its epoch is `epoch`.
   struct Grant {
@@ -58,7 +69,7 @@ class UploadTable {
 
   // Precondition for the three: upload.mutex is held.
   void AddProgress(Upload& upload, uint64_t bytes);
-  // Forgets the upload, whose row is gone already.
+  // Forgets the upload, whose row is gone already, and removes its file.
   void End(Upload& upload);
   // Forgets row and upload.
   void Drop(Upload& upload);
@@ -67,6 +78,7 @@ class UploadTable {
   uint64_t num_uploads() const;
 
  private:
+  void Forget(Upload& upload);
   absl::Status Adopt(const UploadDescription& description);
   std::shared_ptr<Upload> Find(const std::string& upload_id) const;
   absl::StatusOr<Grant> Resume(const std::shared_ptr<Upload>& upload, const UploadDescription& description);
@@ -76,8 +88,10 @@ class UploadTable {
   const std::string folder_;
   const ScanStoreOptions options_;
   ScanCatalog& catalog_;
+  const RemovalMarks& removals_;
   StoreSpace& space_;
-  mutable std::mutex mutex_;  // guards uploads_
+  std::vector<std::string> emptied_;  // by Load
+  mutable std::mutex mutex_;          // guards uploads_
   std::map<std::string, std::shared_ptr<Upload>> uploads_;
 };
 

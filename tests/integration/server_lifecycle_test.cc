@@ -174,6 +174,25 @@ TEST_F(ServerLifecycleTest, ADamagedStoreIsFoundAndSaid) {
   EXPECT_THAT(Log(), HasSubstr("damaged"));
 }
 
+TEST_F(ServerLifecycleTest, ALostLogOfTheDatabaseIsSaid) {
+  ServerProcess& server = Start();
+  const auto client = Client::Connect(server.target());
+  ASSERT_THAT(client, IsOk());
+  ASSERT_THAT((*client)->UploadScan(testing::PairOf("sparse", 0, 0).source), IsOk());
+  server.Kill();
+  EXPECT_TRUE(server.Restart());
+  EXPECT_THAT(server.Get("/metrics"), HasSubstr("\ncurvereg_store_lost_files 0\n"));
+  EXPECT_EQ(server.Terminate(), 0);
+  EXPECT_TRUE(server.Restart());
+  ASSERT_THAT((*Client::Connect(server.target()))->UploadScan(testing::PairOf("sparse", 1, 0).source), IsOk());
+  server.Kill();
+  ASSERT_TRUE(std::filesystem::remove(folder_.File("data/curvereg.db-wal")));
+  EXPECT_THAT(Log(), Not(HasSubstr("files_lost")));
+  EXPECT_TRUE(server.Restart());
+  EXPECT_THAT(Log(), HasSubstr("files_lost"));
+  EXPECT_THAT(server.Get("/metrics"), HasSubstr("\ncurvereg_store_lost_files 1\n"));
+}
+
 TEST_F(ServerLifecycleTest, PlainTextOffLoopbackIsRefusedUnlessTold) {
   const ServerProcess server(CURVEREG_SERVER_EXECUTABLE, folder_.path(), {"--listen", "0.0.0.0:0"});
   EXPECT_EQ(server.port(), 0);

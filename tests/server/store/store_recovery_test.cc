@@ -154,18 +154,14 @@ TEST_F(StoreRecoveryTest, AHeaderChangedBehindOurBackIsDamage) {
   EXPECT_THAT(store_->ListScans(10, "")->scans, SizeIs(1));
 }
 
-TEST_F(StoreRecoveryTest, FilesThatNoRowNamesAreRemoved) {
-  const std::string digits(30, '0');
-  const std::string hex = file_.substr(file_.size() - 32, 2);
-  WriteFile(folder_.File("payloads/" + hex + "/" + hex + digits), "orphan");
-  WriteFile(folder_.File("payloads/" + hex + "/notes.txt"), "not ours");
-  WriteFile(folder_.File("uploads/orphan-1"), "orphan");
-  Reopen();
-  EXPECT_THAT(FilesBelow(folder_.File("payloads")),
-              UnorderedElementsAre(file_, folder_.File("payloads/" + hex + "/notes.txt")));
-  EXPECT_THAT(FilesBelow(folder_.File("uploads")), IsEmpty());
-  EXPECT_EQ(store_->ReadWholePayload(id_).value(), payload_);
-  EXPECT_EQ(store_->Statistics().stored_bytes, payload_.size());
+TEST_F(StoreRecoveryTest, DamageThatSomebodyFoundIsChecked) {
+  EXPECT_THAT(store_->CheckScan(id_), IsOk());
+  EXPECT_THAT(store_->CheckScan(std::string(32, '0')), HasReason(v1::ERROR_REASON_SCAN_NOT_FOUND));
+  std::string changed = payload_;
+  changed.back() ^= 1;
+  WriteFile(file_, changed);
+  EXPECT_THAT(store_->CheckScan(id_), HasReason(v1::ERROR_REASON_STORED_SCAN_DAMAGED));
+  EXPECT_THAT(store_->DamagedScans(), ElementsAre(id_));
 }
 
 TEST_F(StoreRecoveryTest, ADamagedDatabaseIsSaidSo) {

@@ -37,6 +37,7 @@ class ThrowingStore final : public ScanStore {
   }
   absl::StatusOr<std::string> ReadPayload(const std::string&, uint64_t, uint64_t) override { throw std::bad_alloc(); }
   absl::StatusOr<std::string> ReadWholePayload(const std::string&) override { throw std::bad_alloc(); }
+  absl::Status CheckScan(const std::string&) override { throw std::bad_alloc(); }
   absl::StatusOr<ScanPage> ListScans(int page_size, const std::string& page_token) override {
     return store_.ListScans(page_size, page_token);
   }
@@ -46,6 +47,7 @@ class ThrowingStore final : public ScanStore {
   }
   StoreStatistics Statistics() override { return store_.Statistics(); }
   std::vector<std::string> DamagedScans() override { return store_.DamagedScans(); }
+  StoreFindings Findings() override { return store_.Findings(); }
 
   bool throws_early = false;
 
