@@ -15,6 +15,8 @@ namespace {
 
 constexpr MethodTraits kTraits = {v1::ScanService::service_full_name(), "DownloadScan", Scope::kRead};
 constexpr uint64_t kLeastChunkBytes = 1024;  // each chunk costs a look into the store
+constexpr uint64_t kSkippedPieceBytes = uint64_t{1} << 20;
+constexpr uint64_t kSkippedAtOnceBytes = uint64_t{8} << 20;  // then others have their turn
 
 }  // namespace
 
@@ -25,10 +27,19 @@ DownloadStream::DownloadStream(const Environment& environment, grpc::CallbackSer
 }
 
 absl::StatusOr<DownloadStream::Next> DownloadStream::Make(std::deque<v1::DownloadScanResponse>& made) {
-  v1::DownloadScanResponse& response = made.emplace_back();
-  const absl::Status status = scan_.has_value() ? ReadChunk(response) : OpenScan(response);
+  absl::Status status;
+  if (!scan_.has_value()) {
+    status = OpenScan(made.emplace_back());
+  } else if (offset_ < request_.offset()) {
+    status = SkipPiece();
+  } else {
+    status = ReadChunk(made.emplace_back());
+  }
   if (!status.ok()) return status;
-  return offset_ < scan_->payload_bytes ? Next::kMore : Next::kEnd;
+  if (offset_ < scan_->payload_bytes) return Next::kMore;
+  status = CheckDigest();
+  if (!status.ok()) return status;
+  return Next::kEnd;
 }
 
 absl::Status DownloadStream::OpenScan(v1::DownloadScanResponse& response) {
@@ -40,14 +51,23 @@ absl::Status DownloadStream::OpenScan(v1::DownloadScanResponse& response) {
     return wire::MakeError(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE, "the offset lies beyond the end of the payload",
                            {{"committed_offset", absl::StrCat(scan->payload_bytes)}});
   }
-  offset_ = request_.offset();
-  if (offset_ == 0) {
-    absl::StatusOr<wire::Digester> digester = wire::Digester::Create(scan->payload_digest.algorithm());
-    if (!digester.ok()) return digester.status();
-    digester_ = *std::move(digester);
-  }
+  absl::StatusOr<wire::Digester> digester = wire::Digester::Create(scan->payload_digest.algorithm());
+  if (!digester.ok()) return digester.status();
+  digester_ = *std::move(digester);
   *response.mutable_scan() = ToWire(*scan);
   scan_ = *std::move(scan);
+  return absl::OkStatus();
+}
+
+absl::Status DownloadStream::SkipPiece() {
+  const uint64_t end = std::min(offset_ + kSkippedAtOnceBytes, request_.offset());
+  while (offset_ < end) {
+    const uint64_t size = std::min(kSkippedPieceBytes, end - offset_);
+    const absl::StatusOr<std::string> data = environment_.store->ReadPayload(scan_->id, offset_, size);
+    if (!data.ok()) return data.status();
+    digester_->Update(*data);
+    offset_ += data->size();
+  }
   return absl::OkStatus();
 }
 
@@ -62,14 +82,17 @@ absl::Status DownloadStream::ReadChunk(v1::DownloadScanResponse& response) {
   chunk.set_offset(offset_);
   chunk.set_crc32c(wire::Crc32c(*data));
   offset_ += data->size();
-  if (digester_.has_value()) digester_->Update(*data);
-  const bool is_damaged = data->empty() || (offset_ == scan_->payload_bytes && digester_.has_value() &&
-                                            !wire::SameDigest(digester_->Digest(), scan_->payload_digest));
-  if (is_damaged) {
-    return wire::MakeError(v1::ERROR_REASON_STORED_SCAN_DAMAGED, "the stored payload does not have its digest");
-  }
+  digester_->Update(*data);
   chunk.set_data(*std::move(data));
   return absl::OkStatus();
+}
+
+absl::Status DownloadStream::CheckDigest() {
+  if (wire::SameDigest(digester_->Digest(), scan_->payload_digest)) return absl::OkStatus();
+  const absl::Status checked = environment_.store->CheckScan(scan_->id);
+  if (!checked.ok()) return checked;
+  // Uploaded anew meanwhile, for example.
+  return wire::MakeError(v1::ERROR_REASON_STORAGE_FAULT, "the stored payload changed while it was read");
 }
 
 }  // namespace curvereg::server

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// One DownloadScan call: while one chunk is being written, the disk pool reads the next, and no more than that.
+// One DownloadScan call: while one chunk is being written, the disk pool reads the next, and no more than that. The end
+// comes only when the whole payload, also what lies before the offset asked for, has its digest.
 #ifndef CURVEREG_SERVER_SCANS_DOWNLOAD_STREAM_H_
 #define CURVEREG_SERVER_SCANS_DOWNLOAD_STREAM_H_
 
@@ -35,18 +36,20 @@ class DownloadStream final : public ResponseStream<v1::DownloadScanResponse> {
  private:
   ~DownloadStream() override = default;
 
-  // One message: the scan, then chunks.
+  // One message: the scan, then chunks. None while it reads what lies before the first chunk.
   absl::StatusOr<Next> Make(std::deque<v1::DownloadScanResponse>& made) override;
   WorkerPool& pool() override { return *environment_.disk_pool; }
 
   absl::Status OpenScan(v1::DownloadScanResponse& response);
+  absl::Status SkipPiece();
   absl::Status ReadChunk(v1::DownloadScanResponse& response);
+  absl::Status CheckDigest();
 
   const Environment& environment_;
   const v1::DownloadScanRequest& request_;
   std::optional<StoredScan> scan_;
-  uint64_t offset_ = 0;                     // of the next chunk
-  std::optional<wire::Digester> digester_;  // of a whole download
+  uint64_t offset_ = 0;                     // of the next bytes to read
+  std::optional<wire::Digester> digester_;  // of those before; from OpenScan on
 };
 
 }  // namespace curvereg::server

@@ -109,19 +109,60 @@ std::filesystem::path PayloadFile(const ScanServer& server, uint64_t size) {
   return {};
 }
 
-TEST_F(DownloadStream, TellsThatBytesWereDamagedAndGivesNoEnd) {
-  const std::filesystem::path file = PayloadFile(server_, 240'000);
+// Changes some bytes of the one payload that has this size.
+void DamagePayload(const ScanServer& server, uint64_t size) {
+  const std::filesystem::path file = PayloadFile(server, size);
   ASSERT_FALSE(file.empty());
-  {
-    std::filesystem::permissions(file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
-    std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-    stream.seekp(1000);
-    stream.put('\x55').put('\x55').put('\x55').put('\x55');
-    ASSERT_TRUE(stream.good());
-  }
+  std::filesystem::permissions(file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  stream.seekp(1000);
+  stream.put('\x55').put('\x55').put('\x55').put('\x55');
+  ASSERT_TRUE(stream.good());
+}
+
+TEST_F(DownloadStream, TellsThatBytesWereDamagedAndGivesNoEnd) {
+  DamagePayload(server_, 240'000);
   const Downloaded downloaded = Download(*stub_, request_);
   EXPECT_EQ(ReasonText(downloaded.status), "STORED_SCAN_DAMAGED");
   EXPECT_LT(downloaded.Bytes().size(), 240'000);
+}
+
+TEST_F(DownloadStream, DamageThatItFoundIsMendedByUploadingAgain) {
+  DamagePayload(server_, 240'000);
+  EXPECT_EQ(ReasonText(Download(*stub_, request_).status), "STORED_SCAN_DAMAGED");
+  EXPECT_EQ(server_.store().DamagedScans().size(), 1U);
+  EXPECT_THAT(Upload(*stub_, "again", cloud_), IsOk());
+  EXPECT_TRUE(server_.store().DamagedScans().empty());
+  const Downloaded downloaded = Download(*stub_, request_);
+  EXPECT_THAT(downloaded.status, IsOk());
+  EXPECT_EQ(downloaded.Bytes(), cloud_.data());
+}
+
+// Also where the damage lies before the first byte that is wanted: it may have been sent to this client.
+TEST_F(DownloadStream, ADownloadThatGoesOnTellsOfDamage) {
+  for (const uint64_t offset : {500, 150'000, 240'000}) {
+    SCOPED_TRACE(offset);
+    DamagePayload(server_, 240'000);
+    request_.set_offset(offset);
+    const Downloaded downloaded = Download(*stub_, request_);
+    EXPECT_EQ(ReasonText(downloaded.status), "STORED_SCAN_DAMAGED");
+    EXPECT_LT(downloaded.Bytes().size(), std::max<uint64_t>(1, 240'000 - offset));
+    EXPECT_EQ(server_.store().DamagedScans().size(), 1U);
+    EXPECT_THAT(Upload(*stub_, "again" + std::to_string(offset), cloud_), IsOk());
+  }
+}
+
+TEST_F(DownloadStream, GoesOnFarBehindTheBegin) {
+  const v1::PointCloud large = RandomCloud(2'000'000, 3);  // 24 MB: read in several turns
+  const auto done = Upload(*stub_, "large", large, 100'000);
+  ASSERT_THAT(done, IsOk());
+  request_.set_name(done->scan().name());
+  for (const uint64_t offset : {large.data().size() - 150'000, large.data().size()}) {
+    request_.set_offset(offset);
+    const Downloaded downloaded = Download(*stub_, request_);
+    EXPECT_THAT(downloaded.status, IsOk());
+    EXPECT_EQ(downloaded.Bytes(), large.data().substr(offset));
+  }
 }
 
 TEST_F(DownloadStream, ReadsNoFurtherThanTheClientDoes) {
