@@ -66,7 +66,7 @@ absl::Status PrepareDatabase(const std::string& path, bool may_be_new, const Mig
     return absl::FailedPreconditionError(absl::StrCat(path, ": made by a newer version of curvereg (schema ", *version,
                                                       ", known up to ", migrations.size(), "); run that one"));
   }
-  if (*version == 0 && !may_be_new) return DamagedError(path, "it is empty or missing, but payloads are there");
+  if (*version == 0 && !may_be_new) return DamagedError(path, "it is empty or missing, but the folder has been in use");
   if (absl::Status status = CheckWhole(path, database); !status.ok()) return status;
   if (absl::Status status = UseWriteAheadLog(path, database); !status.ok()) {
     return status.code() == absl::StatusCode::kFailedPrecondition ? status : StartupError(path, database, status);

@@ -68,13 +68,13 @@ int64_t SequenceOf(const v1::WatchTraverseResponse& event) {
 TraverseStore::TraverseStore(SqliteDatabase writer, SqliteDatabase reader)
     : writer_(std::move(writer)), reader_(std::move(reader)) {}
 
-absl::StatusOr<std::unique_ptr<TraverseStore>> TraverseStore::Open(const std::string& path) {
+absl::StatusOr<std::unique_ptr<TraverseStore>> TraverseStore::Open(const std::string& path, bool may_be_new) {
   const auto of_path = [&](const absl::Status& status) {
     return absl::Status(status.code(), absl::StrCat(path, ": ", status.message()));
   };
   absl::StatusOr<SqliteDatabase> writer = SqliteDatabase::Open(path);
   if (!writer.ok()) return of_path(writer.status());
-  if (absl::Status status = PrepareDatabase(path, true, TraverseTables(), *writer); !status.ok()) return status;
+  if (absl::Status status = PrepareDatabase(path, may_be_new, TraverseTables(), *writer); !status.ok()) return status;
   absl::StatusOr<SqliteDatabase> reader = SqliteDatabase::Open(path);
   if (!reader.ok()) return of_path(reader.status());
   return std::unique_ptr<TraverseStore>(new TraverseStore(*std::move(writer), *std::move(reader)));

@@ -70,8 +70,8 @@ struct StoredPoses {
 
 class TraverseStore {
  public:
-  // Errors as ScanCatalog::Open.
-  static absl::StatusOr<std::unique_ptr<TraverseStore>> Open(const std::string& path);
+  // `may_be_new`: an empty database, or none, is a new one. Errors as ScanCatalog::Open.
+  static absl::StatusOr<std::unique_ptr<TraverseStore>> Open(const std::string& path, bool may_be_new);
 
   absl::StatusOr<std::vector<TraverseRecord>> Traverses();  // by number
   // Adds it and gives it its number.

@@ -400,9 +400,12 @@ uint64_t TraversesImpl::num_traverses() {
 absl::StatusOr<std::unique_ptr<Traverses>> Traverses::Open(const std::string& data_dir,
                                                            const TraverseEnvironment& environment) {
   absl::StatusOr<std::unique_ptr<TraverseStore>> store = absl::UnknownError("not opened");
+  // The database is made before the first scan can come.
+  const StoreStatistics scans = environment.store->Statistics();
+  const bool may_be_new = scans.num_scans == 0 && scans.num_uploads == 0;
   // A full disk must not keep anybody from deleting.
   const absl::Status opened = environment.store->WithSpareSpace([&] {
-    store = TraverseStore::Open(data_dir + kDatabaseName);
+    store = TraverseStore::Open(data_dir + kDatabaseName, may_be_new);
     return store.status();
   });
   if (!opened.ok()) return opened;

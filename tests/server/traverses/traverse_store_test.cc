@@ -23,7 +23,7 @@ class TraverseStoreTest : public ::testing::Test {
   TraverseStoreTest() { Reopen(); }
   void Reopen() {
     store_.reset();
-    auto store = TraverseStore::Open(folder_.File("traverses.sqlite"));
+    auto store = TraverseStore::Open(folder_.File("traverses.sqlite"), true);
     ASSERT_THAT(store, IsOk());
     store_ = *std::move(store);
   }
@@ -68,7 +68,7 @@ TEST_F(TraverseStoreTest, RemovesALongTraverseFromAFullDisk) {
   if (const std::string problem = disk.Mount(); !problem.empty()) GTEST_SKIP() << problem;
   const std::unique_ptr<ScanStore> scans = OpenStore(disk.File("data"));
   const std::string path = disk.File("data/traverses.sqlite");
-  auto store = TraverseStore::Open(path);
+  auto store = TraverseStore::Open(path, true);
   ASSERT_THAT(store, IsOk());
   TraverseRecord record;
   record.traverse.set_name("traverses/long");
@@ -78,7 +78,7 @@ TEST_F(TraverseStoreTest, RemovesALongTraverseFromAFullDisk) {
   record.num_events = step.events.size();
   ASSERT_THAT((*store)->AddStep(record, step), IsOk());
   store->reset();  // the log is gone
-  store = TraverseStore::Open(path);
+  store = TraverseStore::Open(path, true);
   ASSERT_THAT(store, IsOk());
   disk.FillUp(0);
   ASSERT_THAT((*store)->RemoveTraverse(record.number), HasReason(v1::ERROR_REASON_STORAGE_FULL));
@@ -230,9 +230,21 @@ TEST(TraverseStoreFileTest, ADamagedFileIsNamed) {
   const testing::TemporaryFolder folder;
   const std::string path = folder.File("traverses.sqlite");
   std::ofstream(path) << std::string(8192, 'x');
-  const auto store = TraverseStore::Open(path);
+  const auto store = TraverseStore::Open(path, true);
   EXPECT_THAT(store, HasCode(absl::StatusCode::kDataLoss));
   EXPECT_THAT(std::string(store.status().message()), ::testing::HasSubstr(path));
+}
+
+TEST(TraverseStoreFileTest, AMissingFileIsNoNewOneInAFolderThatWasInUse) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.File("traverses.sqlite");
+  for (int i = 0; i < 2; ++i) {  // the second time it is there, and empty
+    const auto store = TraverseStore::Open(path, false);
+    EXPECT_THAT(store, HasCode(absl::StatusCode::kDataLoss));
+    EXPECT_THAT(std::string(store.status().message()), ::testing::HasSubstr(path));
+  }
+  EXPECT_THAT(TraverseStore::Open(path, true), IsOk());
+  EXPECT_THAT(TraverseStore::Open(path, false), IsOk());
 }
 
 }  // namespace

@@ -45,6 +45,20 @@ TEST(TraversesTest, TheSameRequestAgainAnswersTheSameTraverse) {
   EXPECT_EQ(world->num_traverses(), 1U);
 }
 
+TEST(TraversesTest, ALostDatabaseIsSaidSo) {
+  const testing::TemporaryFolder folder;
+  TraverseWorld world({}, folder.path());
+  const auto reopened = [&](bool is_lost) {
+    world.Close();
+    if (is_lost) std::filesystem::remove(folder.File("traverses.sqlite"));
+    return Traverses::Open(folder.path(), {.store = &world.store()}).status();
+  };
+  EXPECT_THAT(reopened(true), IsOk()) << "nothing was kept so far";
+  world.Keep(DriveCloud(0));
+  EXPECT_THAT(reopened(false), IsOk());
+  EXPECT_THAT(reopened(true), testing::HasCode(absl::StatusCode::kDataLoss));
+}
+
 TEST(TraversesTest, RefusesWhatCannotBeATraverse) {
   TraverseWorld world({.max_traverses = 1, .max_threads_per_registration = 2});
   for (const std::string& id : {std::string(), std::string("Rover"), std::string("a/b"), std::string(65, 'a')}) {
