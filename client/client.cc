@@ -77,26 +77,32 @@ class ConnectedClient final : public Client {
     return internal::DownloadScan(*connection_, name, options);
   }
 
-  absl::StatusOr<RemoteScan> GetScan(const std::string& name) override {
+  absl::StatusOr<RemoteScan> GetScan(const std::string& name, const Stop& until) override {
     v1::GetScanRequest request;
     request.set_name(name);
     v1::GetScanResponse response;
-    const absl::Status status = CallUnary(*connection_, [&](const auto& channel, grpc::ClientContext* context) {
-      return v1::ScanService::NewStub(channel)->GetScan(context, request, &response);
-    });
+    const absl::Status status = CallUnary(
+        *connection_,
+        [&](const auto& channel, grpc::ClientContext* context) {
+          return v1::ScanService::NewStub(channel)->GetScan(context, request, &response);
+        },
+        until);
     if (!status.ok()) return status;
     return internal::FromWire(response.scan());
   }
 
-  absl::StatusOr<std::vector<RemoteScan>> ListScans() override {
+  absl::StatusOr<std::vector<RemoteScan>> ListScans(const Stop& until) override {
     std::vector<RemoteScan> result;
     v1::ListScansRequest request;
     request.set_page_size(kPageSize);
     do {
       v1::ListScansResponse response;
-      const absl::Status status = CallUnary(*connection_, [&](const auto& channel, grpc::ClientContext* context) {
-        return v1::ScanService::NewStub(channel)->ListScans(context, request, &response);
-      });
+      const absl::Status status = CallUnary(
+          *connection_,
+          [&](const auto& channel, grpc::ClientContext* context) {
+            return v1::ScanService::NewStub(channel)->ListScans(context, request, &response);
+          },
+          until);
       if (!status.ok()) return status;
       if (!response.next_page_token().empty() && response.scans().empty()) {
         return absl::InternalError("the server answered an empty page of scans that is not the last");
@@ -107,16 +113,21 @@ class ConnectedClient final : public Client {
     return result;
   }
 
-  absl::Status DeleteScan(const std::string& name) override {
+  absl::Status DeleteScan(const std::string& name, const Stop& until) override {
     v1::DeleteScanRequest request;
     request.set_name(name);
-    return CallDeletion(*connection_, [&](const auto& channel, grpc::ClientContext* context) {
-      v1::DeleteScanResponse response;
-      return v1::ScanService::NewStub(channel)->DeleteScan(context, request, &response);
-    });
+    return CallDeletion(
+        *connection_,
+        [&](const auto& channel, grpc::ClientContext* context) {
+          v1::DeleteScanResponse response;
+          return v1::ScanService::NewStub(channel)->DeleteScan(context, request, &response);
+        },
+        until);
   }
 
-  absl::StatusOr<ServerStatus> Status() override { return internal::FetchServerStatus(*connection_); }
+  absl::StatusOr<ServerStatus> Status(const Stop& until) override {
+    return internal::FetchServerStatus(*connection_, until);
+  }
 
   TraverseClient& traverses() override { return *traverses_; }
 
@@ -127,11 +138,13 @@ class ConnectedClient final : public Client {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Client>> Client::Connect(const std::string& target, const ClientOptions& options) {
+absl::StatusOr<std::unique_ptr<Client>> Client::Connect(const std::string& target, const ClientOptions& options,
+                                                        std::stop_token cancellation) {
   absl::StatusOr<std::unique_ptr<Connection>> connection = Connection::Open(target, options);
   if (!connection.ok()) return connection.status();
   const absl::Status ready =
-      (*connection)->AwaitReady({{}, std::chrono::steady_clock::now() + options.connect_timeout});
+      (*connection)->AwaitReady({std::move(cancellation), std::chrono::steady_clock::now() + options.connect_timeout});
+  if (absl::IsCancelled(ready)) return ready;
   if (!ready.ok()) return internal::ExplainNoConnection(**connection, ready);
   return std::make_unique<ConnectedClient>(*std::move(connection));
 }

@@ -27,6 +27,7 @@
 #include "core/registration_options.h"
 #include "core/registration_result.h"
 #include "core/scan.h"
+#include "core/stop.h"
 
 namespace grpc {
 class Channel;
@@ -137,8 +138,10 @@ class TraverseClient;
 class Client {
  public:
   // `target`: HOST:PORT, or any gRPC name (dns:///..., ipv4:..., unix:...). Plain text unless tls.enabled. UNAVAILABLE
-  // when no connection comes about within connect_timeout; INVALID_ARGUMENT: options, or files that they name.
-  static absl::StatusOr<std::unique_ptr<Client>> Connect(const std::string& target, const ClientOptions& options = {});
+  // when no connection comes about within connect_timeout; INVALID_ARGUMENT: options, or files that they name;
+  // CANCELLED.
+  static absl::StatusOr<std::unique_ptr<Client>> Connect(const std::string& target, const ClientOptions& options = {},
+                                                         std::stop_token cancellation = {});
   // Over a channel that is there already, for example a server's in-process one.
   static std::unique_ptr<Client> OverChannel(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options = {});
   virtual ~Client() = default;
@@ -157,11 +160,12 @@ class Client {
   // Resumes after every cut, as long as there is progress within call_timeout.
   virtual absl::StatusOr<UploadOutcome> UploadScan(const Scan& scan, const TransferOptions& options = {}) = 0;
   virtual absl::StatusOr<Scan> DownloadScan(const std::string& name, const TransferOptions& options = {}) = 0;
-  virtual absl::StatusOr<RemoteScan> GetScan(const std::string& name) = 0;
-  virtual absl::StatusOr<std::vector<RemoteScan>> ListScans() = 0;  // all pages, newest first
-  virtual absl::Status DeleteScan(const std::string& name) = 0;
 
-  virtual absl::StatusOr<ServerStatus> Status() = 0;
+  // `until` is when a call ends at the latest: CANCELLED, or the deadline, unless call_timeout is over before it.
+  virtual absl::StatusOr<RemoteScan> GetScan(const std::string& name, const Stop& until = {}) = 0;
+  virtual absl::StatusOr<std::vector<RemoteScan>> ListScans(const Stop& until = {}) = 0;  // all pages, newest first
+  virtual absl::Status DeleteScan(const std::string& name, const Stop& until = {}) = 0;
+  virtual absl::StatusOr<ServerStatus> Status(const Stop& until = {}) = 0;
 
   // The calls about traverses (client/traverses.h), over the same connection. Lives as long as the client.
   virtual TraverseClient& traverses() = 0;

@@ -164,16 +164,18 @@ absl::Status CallUnary(Connection& connection, const UnaryAttempt& attempt, cons
   });
 }
 
-absl::Status CallDeletion(Connection& connection, const UnaryAttempt& attempt) {
+absl::Status CallDeletion(Connection& connection, const UnaryAttempt& attempt, const Stop& stop) {
   bool was_lost = false;  // an attempt before the last
   bool is_lost = false;
-  const absl::Status status =
-      CallUnary(connection, [&](const std::shared_ptr<grpc::Channel>& channel, grpc::ClientContext* context) {
+  const absl::Status status = CallUnary(
+      connection,
+      [&](const std::shared_ptr<grpc::Channel>& channel, grpc::ClientContext* context) {
         grpc::Status ended = attempt(channel, context);
         was_lost = was_lost || is_lost;
         is_lost = !ended.ok() && !IsRefusal(wire::FromGrpcStatus(ended));
         return ended;
-      });
+      },
+      stop);
   return absl::IsNotFound(status) && was_lost ? absl::OkStatus() : status;
 }
 

@@ -89,7 +89,7 @@ using UnaryAttempt = std::function<grpc::Status(const std::shared_ptr<grpc::Chan
 absl::Status CallUnary(Connection& connection, const UnaryAttempt& attempt, const Stop& stop = {});
 
 // The same for a deletion: NOT_FOUND is OK after an attempt whose answer was lost, for that may have deleted it.
-absl::Status CallDeletion(Connection& connection, const UnaryAttempt& attempt);
+absl::Status CallDeletion(Connection& connection, const UnaryAttempt& attempt, const Stop& stop = {});
 
 }  // namespace curvereg::internal
 

@@ -25,22 +25,25 @@ constexpr const char* kServices[] = {v1::RegistrationService::service_full_name(
                                      v1::TraverseService::service_full_name()};
 
 // NOT_FOUND: the server does not have this service.
-absl::StatusOr<bool> IsServing(Connection& connection, const std::string& service) {
+absl::StatusOr<bool> IsServing(Connection& connection, const std::string& service, const Stop& until) {
   health::HealthCheckRequest request;
   request.set_service(service);
   health::HealthCheckResponse response;
-  const absl::Status status = CallUnary(connection, [&](const auto& channel, grpc::ClientContext* context) {
-    return health::Health::NewStub(channel)->Check(context, request, &response);
-  });
+  const absl::Status status = CallUnary(
+      connection,
+      [&](const auto& channel, grpc::ClientContext* context) {
+        return health::Health::NewStub(channel)->Check(context, request, &response);
+      },
+      until);
   if (!status.ok()) return status;
   return response.status() == health::HealthCheckResponse::SERVING;
 }
 
-absl::Status CheckHealth(Connection& connection, ServerStatus& result) {
+absl::Status CheckHealth(Connection& connection, const Stop& until, ServerStatus& result) {
   std::vector<std::chrono::microseconds> times;
   for (int i = 0; i < kNumRoundTrips; ++i) {
     const Clock::time_point start = Clock::now();
-    const absl::StatusOr<bool> serving = IsServing(connection, "");
+    const absl::StatusOr<bool> serving = IsServing(connection, "", until);
     if (!serving.ok()) return serving.status();
     times.push_back(std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start));
     result.serving = *serving;
@@ -48,7 +51,7 @@ absl::Status CheckHealth(Connection& connection, ServerStatus& result) {
   std::sort(times.begin(), times.end());
   result.round_trip = times[times.size() / 2];
   for (const char* service : kServices) {
-    const absl::StatusOr<bool> serving = IsServing(connection, service);
+    const absl::StatusOr<bool> serving = IsServing(connection, service, until);
     if (serving.ok()) result.services.emplace_back(service, *serving);
     if (!serving.ok() && !absl::IsNotFound(serving.status())) return serving.status();
   }
@@ -72,15 +75,18 @@ void Take(const v1::ListMethodsResponse& response, ServerStatus& result) {
 
 }  // namespace
 
-absl::StatusOr<ServerStatus> FetchServerStatus(Connection& connection) {
+absl::StatusOr<ServerStatus> FetchServerStatus(Connection& connection, const Stop& until) {
   ServerStatus result;
-  if (absl::Status status = CheckHealth(connection, result); !status.ok()) return status;
+  if (absl::Status status = CheckHealth(connection, until, result); !status.ok()) return status;
   // A server that is starting or stopping answers for its health and refuses all else: that is its status.
   if (!result.serving) return result;
   v1::ListMethodsResponse response;
-  const absl::Status status = CallUnary(connection, [&](const auto& channel, grpc::ClientContext* context) {
-    return v1::RegistrationService::NewStub(channel)->ListMethods(context, v1::ListMethodsRequest(), &response);
-  });
+  const absl::Status status = CallUnary(
+      connection,
+      [&](const auto& channel, grpc::ClientContext* context) {
+        return v1::RegistrationService::NewStub(channel)->ListMethods(context, v1::ListMethodsRequest(), &response);
+      },
+      until);
   if (!status.ok()) return status;
   Take(response, result);
   return result;

@@ -6,11 +6,12 @@
 #include "absl/status/statusor.h"
 #include "client/client.h"
 #include "client/connection.h"
+#include "core/stop.h"
 
 namespace curvereg::internal {
 
 // See Client::Status.
-absl::StatusOr<ServerStatus> FetchServerStatus(Connection& connection);
+absl::StatusOr<ServerStatus> FetchServerStatus(Connection& connection, const Stop& until);
 
 // Why a connection cannot be made, as gRPC tells it; `fallback` when it does not.
 absl::Status ExplainNoConnection(Connection& connection, const absl::Status& fallback);

@@ -26,15 +26,15 @@ using Method = grpc::Status (v1::TraverseService::Stub::*)(grpc::ClientContext*,
 
 template <typename Request, typename Response>
 absl::StatusOr<Response> Call(Connection& connection, Method<Request, Response> method, const Request& request,
-                              const std::stop_token& cancellation = {}) {
+                              const Stop& until) {
   Response response;
-  const absl::Status status =
-      CallUnary(connection,
-                [&](const auto& channel, grpc::ClientContext* context) {
-                  response.Clear();
-                  return (v1::TraverseService::NewStub(channel).get()->*method)(context, request, &response);
-                },
-                {cancellation, std::nullopt});
+  const absl::Status status = CallUnary(
+      connection,
+      [&](const auto& channel, grpc::ClientContext* context) {
+        response.Clear();
+        return (v1::TraverseService::NewStub(channel).get()->*method)(context, request, &response);
+      },
+      until);
   if (!status.ok()) return status;
   return response;
 }
@@ -43,30 +43,31 @@ class ConnectedTraverseClient final : public TraverseClient {
  public:
   explicit ConnectedTraverseClient(Connection& connection) : connection_(connection) {}
 
-  absl::StatusOr<RemoteTraverse> Create(const std::string& id, const TraverseSettings& settings) override {
+  absl::StatusOr<RemoteTraverse> Create(const std::string& id, const TraverseSettings& settings,
+                                        const Stop& until) override {
     if (settings.reorder_window < 0) return absl::InvalidArgumentError("reorder_window must not be below 0");
     v1::CreateTraverseRequest request;
     request.set_traverse_id(id);
     *request.mutable_settings() = ToWire(settings);
-    const auto response = Call(connection_, &v1::TraverseService::Stub::CreateTraverse, request);
+    const auto response = Call(connection_, &v1::TraverseService::Stub::CreateTraverse, request, until);
     if (!response.ok()) return response.status();
     return FromWire(response->traverse());
   }
 
-  absl::StatusOr<RemoteTraverse> Get(const std::string& name) override {
+  absl::StatusOr<RemoteTraverse> Get(const std::string& name, const Stop& until) override {
     v1::GetTraverseRequest request;
     request.set_name(name);
-    const auto response = Call(connection_, &v1::TraverseService::Stub::GetTraverse, request);
+    const auto response = Call(connection_, &v1::TraverseService::Stub::GetTraverse, request, until);
     if (!response.ok()) return response.status();
     return FromWire(response->traverse());
   }
 
-  absl::StatusOr<std::vector<RemoteTraverse>> List() override {
+  absl::StatusOr<std::vector<RemoteTraverse>> List(const Stop& until) override {
     std::vector<RemoteTraverse> result;
     v1::ListTraversesRequest request;
     request.set_page_size(kPageSize);
     do {
-      const auto response = Call(connection_, &v1::TraverseService::Stub::ListTraverses, request);
+      const auto response = Call(connection_, &v1::TraverseService::Stub::ListTraverses, request, until);
       if (!response.ok()) return response.status();
       if (!response->next_page_token().empty() && response->traverses().empty()) {
         return absl::InternalError("the server answered an empty page of traverses that is not the last");
@@ -81,18 +82,21 @@ class ConnectedTraverseClient final : public TraverseClient {
     return result;
   }
 
-  absl::Status Delete(const std::string& name) override {
+  absl::Status Delete(const std::string& name, const Stop& until) override {
     v1::DeleteTraverseRequest request;
     request.set_name(name);
-    return CallDeletion(connection_, [&](const auto& channel, grpc::ClientContext* context) {
-      v1::DeleteTraverseResponse response;
-      return v1::TraverseService::NewStub(channel)->DeleteTraverse(context, request, &response);
-    });
+    return CallDeletion(
+        connection_,
+        [&](const auto& channel, grpc::ClientContext* context) {
+          v1::DeleteTraverseResponse response;
+          return v1::TraverseService::NewStub(channel)->DeleteTraverse(context, request, &response);
+        },
+        until);
   }
 
-  absl::StatusOr<RemoteTrajectory> GetTrajectory(const std::string& name) override {
+  absl::StatusOr<RemoteTrajectory> GetTrajectory(const std::string& name, const Stop& until) override {
     for (int i = 0; i < kMaxReadings; ++i) {
-      absl::StatusOr<std::optional<RemoteTrajectory>> trajectory = ReadTrajectory(name);
+      absl::StatusOr<std::optional<RemoteTrajectory>> trajectory = ReadTrajectory(name, until);
       if (!trajectory.ok()) return trajectory.status();
       if (trajectory->has_value()) return **std::move(trajectory);
     }
@@ -104,7 +108,8 @@ class ConnectedTraverseClient final : public TraverseClient {
     v1::OptimizeTraverseRequest request;
     request.set_name(name);
     request.set_find_loop_closures(find_loop_closures);
-    const auto response = Call(connection_, &v1::TraverseService::Stub::OptimizeTraverse, request, cancellation);
+    const auto response = Call(connection_, &v1::TraverseService::Stub::OptimizeTraverse, request,
+                               {std::move(cancellation), std::nullopt});
     if (!response.ok()) return response.status();
     return FromWire(*response);
   }
@@ -124,14 +129,14 @@ class ConnectedTraverseClient final : public TraverseClient {
 
  private:
   // Nullopt: poses were revised between two pages.
-  absl::StatusOr<std::optional<RemoteTrajectory>> ReadTrajectory(const std::string& name) {
+  absl::StatusOr<std::optional<RemoteTrajectory>> ReadTrajectory(const std::string& name, const Stop& until) {
     RemoteTrajectory result;
     v1::GetTrajectoryRequest request;
     request.set_name(name);
     request.set_page_size(kPageSize);
     bool is_first = true;
     do {
-      const auto response = Call(connection_, &v1::TraverseService::Stub::GetTrajectory, request);
+      const auto response = Call(connection_, &v1::TraverseService::Stub::GetTrajectory, request, until);
       const bool is_late = !is_first && absl::IsInvalidArgument(response.status());  // a token of an older version
       if (is_late) return std::nullopt;
       if (!response.ok()) return response.status();

@@ -26,6 +26,7 @@
 #include "client/traverse_types.h"
 #include "core/registration_options.h"
 #include "core/scan.h"
+#include "core/stop.h"
 
 namespace curvereg {
 
@@ -98,16 +99,18 @@ struct RemoteMap {
   std::string text;                     // of kElevationAscii: an ESRI ASCII grid
 };
 
-// Errors are those of the contract's methods. All calls retry what is safe to retry.
+// Errors are those of the contract's methods. All calls retry what is safe to retry, until `until` as in Client.
 class TraverseClient {
  public:
   virtual ~TraverseClient() = default;
 
-  virtual absl::StatusOr<RemoteTraverse> Create(const std::string& id, const TraverseSettings& settings) = 0;
-  virtual absl::StatusOr<RemoteTraverse> Get(const std::string& name) = 0;
-  virtual absl::StatusOr<std::vector<RemoteTraverse>> List() = 0;  // all pages, newest first
-  virtual absl::Status Delete(const std::string& name) = 0;
-  virtual absl::StatusOr<RemoteTrajectory> GetTrajectory(const std::string& name) = 0;  // all pages, of one version
+  virtual absl::StatusOr<RemoteTraverse> Create(const std::string& id, const TraverseSettings& settings,
+                                                const Stop& until = {}) = 0;
+  virtual absl::StatusOr<RemoteTraverse> Get(const std::string& name, const Stop& until = {}) = 0;
+  virtual absl::StatusOr<std::vector<RemoteTraverse>> List(const Stop& until = {}) = 0;  // all pages, newest first
+  virtual absl::Status Delete(const std::string& name, const Stop& until = {}) = 0;
+  // All pages, of one version.
+  virtual absl::StatusOr<RemoteTrajectory> GetTrajectory(const std::string& name, const Stop& until = {}) = 0;
   virtual absl::StatusOr<OptimizationOutcome> Optimize(const std::string& name, bool find_loop_closures,
                                                        std::stop_token cancellation = {}) = 0;
 
