@@ -185,14 +185,6 @@ absl::Status WholeServer::OpenStore() {
   store_ = *std::move(store);
   AddStoreGauges(metrics_, *store_, limits_.max_stored_bytes, config_.data_dir);
   for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", "scans/" + id}});
-  const StoreFindings findings = store_->Findings();
-  if (findings.num_lost_files > 0) {
-    logger_->Error("files_lost", {{"count", static_cast<int64_t>(findings.num_lost_files)},
-                                  {"folder", ScanStore::LostFolder(config_.data_dir)}});
-  }
-  for (const std::string& id : findings.emptied_uploads) {
-    logger_->Error("upload_emptied", {{"upload", "uploads/" + id}});
-  }
   const StoreStatistics statistics = store_->Statistics();
   logger_->Info("store_opened", {{"data_dir", config_.data_dir},
                                  {"scans", static_cast<int64_t>(statistics.num_scans)},
@@ -238,11 +230,12 @@ void WholeServer::AddServices(grpc::ServerBuilder& builder) {
 }
 
 absl::Status WholeServer::Listen() {
+  const bool has_port = !config_.listen.empty();
   const absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeServerCredentials(config_.tls);
   if (!credentials.ok()) return credentials.status();
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  builder.AddListeningPort(config_.listen, *credentials, &port_);
+  if (has_port) builder.AddListeningPort(config_.listen, *credentials, &port_);
   builder.SetMaxReceiveMessageSize(static_cast<int>(limits_.max_message_bytes));
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // two servers on one port would share its calls
@@ -256,7 +249,7 @@ absl::Status WholeServer::Listen() {
   builder.SetResourceQuota(quota);
   AddServices(builder);
   grpc_server_ = builder.BuildAndStart();
-  if (grpc_server_ == nullptr || port_ == 0) {
+  if (grpc_server_ == nullptr || (has_port && port_ == 0)) {
     return absl::UnavailableError(absl::StrCat("listen: cannot listen on ", config_.listen));
   }
   return absl::OkStatus();
@@ -311,6 +304,19 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
   auto server = std::make_unique<WholeServer>(config);
+  if (absl::Status status = server->Open(); !status.ok()) return status;
+  return server;
+}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::StartWithoutPort(const ServerConfig& config) {
+  ServerConfig own = config;
+  own.tls = {};
+  own.token_file.clear();
+  own.listen = ServerConfig().listen;
+  own.ops_listen.clear();
+  if (absl::Status status = Validate(own); !status.ok()) return status;
+  own.listen.clear();
+  auto server = std::make_unique<WholeServer>(own);
   if (absl::Status status = server->Open(); !status.ok()) return status;
   return server;
 }

@@ -22,7 +22,10 @@ class Server {
   // Validate), or files that they name; UNAVAILABLE: an address that cannot be listened on; errors of ScanStore::Open.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config);
 
-  // The same services on no port at all, without a store or an operations port, for InProcessChannel(): scans are
+  // The same on no port at all, for InProcessChannel(): the settings of ports, TLS and tokens do not count.
+  static absl::StatusOr<std::unique_ptr<Server>> StartWithoutPort(const ServerConfig& config);
+
+  // The same services on no port either, without a store or an operations port, for InProcessChannel(): scans are
   // given inline, limits are those of memory alone, and nothing is warmed up.
   static absl::StatusOr<std::unique_ptr<Server>> StartInProcess(const ServerConfig& config);
 
