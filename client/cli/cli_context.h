@@ -10,10 +10,12 @@
 
 #include <CLI/App.hpp>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/stop.h"
 
 namespace curvereg::cli {
 
@@ -27,6 +29,7 @@ enum class ExitCode : int {
 
 struct CliContext {
   std::stop_token interrupted;  // requested at the first SIGINT or SIGTERM
+  Stop UntilInterrupted() const { return {interrupted, std::nullopt}; }
 };
 
 // One command: `Add...Command(app)` declares its arguments and returns what runs it once they are parsed.

@@ -46,7 +46,7 @@ optimises it, in this process, with the first of the methods. Errors need a pose
 the map is measured.
 
 Exit status: 0 done (whatever the figures), 1 internal fault or interrupted, 2 bad arguments or input, 4 server
-unreachable or it refused.
+unreachable or it refused. When no call at all succeeds there is no report, and the status is that of the last.
 
 Examples:
   curvereg evaluate yard --out yard-report
@@ -77,7 +77,7 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   const absl::StatusOr<std::vector<Method>> methods = ParseMethods(arguments.methods);
   if (!methods.ok()) return methods.status();
 
-  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server, context);
   if (!service.ok()) return service.status();
   ServiceRegistrar registrar(*service);
   ProgressBar bar("registering");
@@ -85,15 +85,15 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
   options.methods = *methods;
   options.registration = RegistrationOf(arguments, context);
   options.load_scan = LoadScan;
-  bool has_warned = false;
   options.register_scans = [&](const Scan& source, const Scan& target, const RegistrationOptions& registration) {
-    absl::StatusOr<RegistrationResult> result = registrar.Register(source, target, registration);
-    if (!result.ok() && !absl::IsCancelled(result.status()) && !std::exchange(has_warned, true)) {
-      ReportWarning(absl::StrCat("a call failed: ", result.status().message()));
-    }
-    return result;
+    return registrar.Register(source, target, registration);
   };
+  bool has_warned = false;
   options.progress = [&](const EvaluationProgress& progress) {
+    const bool failed = !progress.last->error.empty();
+    if (failed && !std::exchange(has_warned, true)) {
+      ReportWarning(absl::StrCat("a call failed: ", progress.last->error));
+    }
     bar.Update(static_cast<double>(progress.num_done) / progress.num_total, ProgressNote(progress));
   };
   return Evaluate(dataset, *strangers, options);

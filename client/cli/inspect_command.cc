@@ -42,9 +42,10 @@ Example:
   curvereg inspect scan_0000.pcd --out pictures)";
 
 absl::StatusOr<RemotePictures> MakePictures(const Arguments& arguments, const CliContext& context) {
-  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
-  if (!service.ok()) return service.status();
-  if (service->is_remote() && IsScanName(arguments.scan)) {
+  const auto open = [&] { return ServiceAccess::Open(arguments.server, context); };
+  if (!arguments.server.server.empty() && IsScanName(arguments.scan)) {
+    absl::StatusOr<ServiceAccess> service = open();
+    if (!service.ok()) return service.status();
     return service->client().RenderScan(arguments.scan, arguments.threads, context.interrupted);
   }
   absl::StatusOr<Scan> scan = ReadScanArgument(arguments.scan, context);
@@ -54,6 +55,8 @@ absl::StatusOr<RemotePictures> MakePictures(const Arguments& arguments, const Cl
     if (!gravity.ok()) return gravity.status();
     scan->gravity = *gravity;
   }
+  absl::StatusOr<ServiceAccess> service = open();
+  if (!service.ok()) return service.status();
   const absl::StatusOr<ScanReference> reference = OfferScan(*service, *scan, context);
   if (!reference.ok()) return reference.status();
   return service->client().RenderScan(*reference, arguments.threads, context.interrupted);

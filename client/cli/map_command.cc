@@ -50,7 +50,7 @@ absl::Status CheckOutput(const std::string& path) {
 
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (const absl::Status output = CheckOutput(arguments.out); !output.ok()) return ReportError(output);
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere, context);
   if (!service.ok()) return ReportError(service.status());
   absl::StatusOr<RemoteMap> map;
   {

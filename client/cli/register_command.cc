@@ -98,14 +98,18 @@ absl::Status CheckOutputs(const Arguments& arguments) {
   return arguments.report.empty() ? absl::OkStatus() : PrepareOutputFolder(arguments.report);
 }
 
-// A scan read from a file, or the name of one that the server keeps. The points of the latter are fetched only when
-// something is to be made of them.
+// A scan read from a file, or the name of one that the server keeps.
 struct Side {
   std::optional<Scan> scan;
   std::string name;
 };
 
-absl::StatusOr<Side> ReadSide(const std::string& argument, const std::string& gravity, const CliContext& context) {
+absl::StatusOr<Side> ReadSide(const std::string& argument, const std::string& gravity, const Arguments& arguments,
+                              const CliContext& context) {
+  if (!arguments.server.server.empty() && IsScanName(argument)) {
+    if (gravity.empty()) return Side{.scan = std::nullopt, .name = argument};
+    return absl::InvalidArgumentError(absl::StrCat(argument, ": a scan that the server keeps has its own gravity"));
+  }
   std::optional<Eigen::Vector3d> direction;
   if (!gravity.empty()) {
     const absl::StatusOr<Eigen::Vector3d> parsed = ParseDirection(gravity);
@@ -118,23 +122,14 @@ absl::StatusOr<Side> ReadSide(const std::string& argument, const std::string& gr
   return Side{.scan = *std::move(scan), .name = {}};
 }
 
-absl::StatusOr<Side> NamedSide(ServiceAccess& service, const std::string& name, bool with_points,
-                               const CliContext& context) {
-  Side side{.scan = std::nullopt, .name = name};
-  if (!with_points) return side;
-  absl::StatusOr<Scan> scan = service.client().DownloadScan(name, LosslessTransfer(context));
+// The points of a scan that the server keeps, if something is to be made of them.
+absl::Status FetchPoints(ServiceAccess& service, const Arguments& arguments, Side& side, const CliContext& context) {
+  const bool is_needed = !arguments.out_cloud.empty() || !arguments.report.empty();
+  if (side.scan.has_value() || !is_needed) return absl::OkStatus();
+  absl::StatusOr<Scan> scan = service.client().DownloadScan(side.name, LosslessTransfer(context));
   if (!scan.ok()) return scan.status();
   side.scan = *std::move(scan);
-  return side;
-}
-
-absl::StatusOr<Side> GetSide(ServiceAccess& service, const std::string& argument, const std::string& gravity,
-                             const Arguments& arguments, const CliContext& context) {
-  if (!service.is_remote() || !IsScanName(argument)) return ReadSide(argument, gravity, context);
-  if (!gravity.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(argument, ": a scan that the server keeps has its own gravity"));
-  }
-  return NamedSide(service, argument, !arguments.out_cloud.empty() || !arguments.report.empty(), context);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<RegistrationResult> RegisterSides(ServiceAccess& service, const Side& source, const Side& target,
@@ -186,12 +181,18 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (!options.ok()) return ReportError(options.status());
   const absl::Status outputs = CheckOutputs(arguments);
   if (!outputs.ok()) return ReportError(outputs);
-  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
-  if (!service.ok()) return ReportError(service.status());
-  const absl::StatusOr<Side> source = GetSide(*service, arguments.source, arguments.gravity_source, arguments, context);
+  // Before a server is waited for.
+  absl::StatusOr<Side> source = ReadSide(arguments.source, arguments.gravity_source, arguments, context);
   if (!source.ok()) return ReportError(source.status());
-  const absl::StatusOr<Side> target = GetSide(*service, arguments.target, arguments.gravity_target, arguments, context);
+  absl::StatusOr<Side> target = ReadSide(arguments.target, arguments.gravity_target, arguments, context);
   if (!target.ok()) return ReportError(target.status());
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server, context);
+  if (!service.ok()) return ReportError(service.status());
+  for (Side* side : {&*source, &*target}) {
+    if (const absl::Status fetched = FetchPoints(*service, arguments, *side, context); !fetched.ok()) {
+      return ReportError(fetched);
+    }
+  }
 
   const absl::StatusOr<RegistrationResult> result = RegisterSides(*service, *source, *target, *options, context);
   if (!result.ok()) return ReportError(result.status());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/scans_command.h"
 
+#include <unistd.h>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <memory>
@@ -75,6 +76,22 @@ absl::StatusOr<TransferOptions> TransferOf(const Arguments& arguments, const Cli
   return options;
 }
 
+// A missing file shall not be noticed when others were sent already, or only after the wait for a server.
+absl::Status CheckFiles(const std::vector<std::string>& files, const CliContext& context) {
+  for (const std::string& file : files) {
+    if (access(file.c_str(), R_OK) == 0) continue;
+    if (absl::Status status = ReadScanArgument(file, context).status(); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+// The same error, telling which of several files it is about.
+absl::Status About(const std::string& file, const absl::Status& error) {
+  absl::Status named(error.code(), absl::StrCat(file, ": ", error.message()));
+  error.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) { named.SetPayload(type, payload); });
+  return named;
+}
+
 absl::StatusOr<UploadOutcome> UploadFile(Client& client, const std::string& file, TransferOptions options,
                                          const CliContext& context) {
   const absl::StatusOr<Scan> scan = ReadScanArgument(file, context);
@@ -84,7 +101,9 @@ absl::StatusOr<UploadOutcome> UploadFile(Client& client, const std::string& file
     bar.Update(static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total),
                progress.num_resumes == 0 ? "" : absl::StrCat("resumed ", progress.num_resumes, " times"));
   };
-  return client.UploadScan(*scan, options);
+  absl::StatusOr<UploadOutcome> outcome = client.UploadScan(*scan, options);
+  if (!outcome.ok()) return About(file, outcome.status());
+  return outcome;
 }
 
 ExitCode Upload(const Arguments& arguments, Client& client, const CliContext& context) {
@@ -106,8 +125,8 @@ ExitCode Upload(const Arguments& arguments, Client& client, const CliContext& co
   return arguments.json ? PrintResult(JsonText({{"scans", std::move(json)}}) + "\n") : ExitCode::kDone;
 }
 
-ExitCode List(const Arguments& arguments, Client& client) {
-  const absl::StatusOr<std::vector<RemoteScan>> scans = client.ListScans();
+ExitCode List(const Arguments& arguments, Client& client, const CliContext& context) {
+  const absl::StatusOr<std::vector<RemoteScan>> scans = client.ListScans(context.UntilInterrupted());
   if (!scans.ok()) return ReportError(scans.status());
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   std::string text;
@@ -145,9 +164,9 @@ ExitCode Download(const Arguments& arguments, Client& client, const CliContext& 
   return PrintResult(absl::StrCat(arguments.out, "  ", scan->points.size(), " points\n"));
 }
 
-ExitCode Delete(const Arguments& arguments, Client& client) {
+ExitCode Delete(const Arguments& arguments, Client& client, const CliContext& context) {
   for (const std::string& name : arguments.names) {
-    const absl::Status status = client.DeleteScan(name);
+    const absl::Status status = client.DeleteScan(name, context.UntilInterrupted());
     if (!status.ok()) return ReportError(status);
   }
   if (arguments.json) return PrintResult(JsonText({{"deleted", arguments.names}}) + "\n");
@@ -159,12 +178,13 @@ ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliConte
     return ReportError(
         absl::InvalidArgumentError("scans are kept by servers: give --server HOST:PORT, or set CURVEREG_SERVER"));
   }
-  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  if (const absl::Status files = CheckFiles(arguments.files, context); !files.ok()) return ReportError(files);
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server, context);
   if (!service.ok()) return ReportError(service.status());
   if (command.got_subcommand("upload")) return Upload(arguments, service->client(), context);
-  if (command.got_subcommand("list")) return List(arguments, service->client());
+  if (command.got_subcommand("list")) return List(arguments, service->client(), context);
   if (command.got_subcommand("download")) return Download(arguments, service->client(), context);
-  return Delete(arguments, service->client());
+  return Delete(arguments, service->client(), context);
 }
 
 CLI::App* AddAction(CLI::App& command, const std::string& name, const std::string& help, Arguments& arguments) {

@@ -5,14 +5,20 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
+#include <stop_token>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/cli/argument_parsing.h"
 #include "client/cli/progress_bar.h"
+#include "client/cli/scan_folder.h"
 #include "client/files/file_bytes.h"
+#include "server/settings/listen_address.h"
 
 namespace curvereg::cli {
 namespace {
@@ -21,6 +27,8 @@ namespace {
 // them.
 constexpr std::size_t kMaxInlinePoints = 1'000'000;
 constexpr uint64_t kMaxTokenBytes = 4096;
+constexpr std::chrono::seconds kQuietWait(1);    // for a connection, before we tell what we wait for
+constexpr std::chrono::seconds kCleanUpTime(3);  // for each scan to delete; a server that is gone is not waited for
 
 // A token on the command line would be seen by everybody on the machine: file or environment only.
 absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
@@ -33,11 +41,52 @@ absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
   return std::string(absl::StripAsciiWhitespace(std::string(bytes->view())));
 }
 
-// gRPC would look up "http://..." as a host, and take port 0 where none is given, until the time to connect is over.
+// gRPC takes a port modulo 65536, 0 for what is no number, and "http://..." for a host.
 absl::Status CheckServer(const std::string& server) {
-  const bool is_url = server.rfind("http://", 0) == 0 || server.rfind("https://", 0) == 0;
-  if (!is_url && server.find(':') != std::string::npos) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("--server: ", server, ": expected HOST:PORT"));
+  for (const char* scheme : {"dns:", "ipv4:", "ipv6:", "unix:", "unix-abstract:"}) {
+    if (absl::StartsWith(server, scheme)) return absl::OkStatus();  // a name of gRPC's own, which it checks itself
+  }
+  const absl::StatusOr<server::ListenAddress> address = server::ParseListenAddress(server);
+  if (address.ok() && address->port != 0 && !absl::StrContains(server, '/')) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--server: ", server, ": expected HOST:PORT, the port from 1 to 65535, IPv6 addresses in brackets"));
+}
+
+// Tells what is waited for, if that takes long.
+class WaitNotice {
+ public:
+  explicit WaitNotice(const std::string& server)
+      : thread_([server](const std::stop_token& over) {
+          SleepOrStop(kQuietWait, over);
+          if (over.stop_requested()) return;
+          std::fprintf(stderr, "curvereg: waiting for %s, which does not answer yet\n", server.c_str());
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+// A server that wants TLS, or a certificate, hangs up on who comes without, and gRPC tells no more than that.
+absl::Status WithAdvice(const absl::Status& error, const TlsOptions& tls) {
+  const char* advice = "";
+  if (absl::StrContains(error.message(), "Socket closed")) {
+    if (!tls.enabled) advice = "; if the server speaks TLS, give --tls or --tls-ca";
+    if (tls.enabled && tls.certificate_file.empty()) {
+      advice = "; if the server asks for a certificate, give --tls-cert and --tls-key";
+    }
+  } else if (absl::StrContains(error.message(), "wrong version number")) {
+    advice = "; if the server speaks plain text, leave out --tls, --tls-ca and --tls-cert";
+  }
+  return absl::Status(error.code(), absl::StrCat(error.message(), advice));
+}
+
+absl::StatusOr<std::unique_ptr<Client>> Connect(const std::string& server, const ClientOptions& options,
+                                                const CliContext& context) {
+  if (absl::Status status = CheckServer(server); !status.ok()) return status;
+  const WaitNotice notice(server);
+  absl::StatusOr<std::unique_ptr<Client>> client = Client::Connect(server, options, context.interrupted);
+  if (absl::IsUnavailable(client.status())) return WithAdvice(client.status(), options.tls);
+  return client;
 }
 
 absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
@@ -94,39 +143,39 @@ void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
 ServiceAccess::~ServiceAccess() {
   if (client_ == nullptr) return;
   for (const std::string& name : temporary_) {
-    const absl::Status status = client_->DeleteScan(name);
+    const absl::Status status = client_->DeleteScan(name, {{}, std::chrono::steady_clock::now() + kCleanUpTime});
     if (status.ok()) continue;
     ReportWarning(absl::StrCat(name, ": stays on the server: ", status.message()));
     return;  // one line is enough when the server is gone
   }
 }
 
-absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& arguments) {
-  return OpenWith(arguments, [] { return server::Server::StartInProcess(server::ServerConfig()); });
+absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& arguments, const CliContext& context) {
+  return OpenWith(
+      arguments, [] { return server::Server::StartInProcess(server::ServerConfig()); }, context);
 }
 
-absl::StatusOr<ServiceAccess> ServiceAccess::OpenWithData(const ServerArguments& arguments,
-                                                          const std::string& data_dir) {
-  return OpenWith(arguments, [&data_dir] {
+absl::StatusOr<ServiceAccess> ServiceAccess::OpenWithData(const ServerArguments& arguments, const std::string& data_dir,
+                                                          const CliContext& context) {
+  const auto start_local = [&data_dir] {
     server::ServerConfig config;
-    config.listen = "127.0.0.1:0";  // nobody is told the port
-    config.ops_listen.clear();
     config.data_dir = data_dir;
     config.log.level = "error";
     config.drain_delay_ms = 0;
-    auto started = server::Server::Start(config);
+    auto started = server::Server::StartWithoutPort(config);
     if (!absl::IsUnavailable(started.status())) return started;
     return decltype(started)(absl::FailedPreconditionError(absl::StrCat("--data-dir: ", started.status().message())));
-  });
+  };
+  return OpenWith(arguments, start_local, context);
 }
 
-absl::StatusOr<ServiceAccess> ServiceAccess::OpenWith(const ServerArguments& arguments, const StartLocal& start_local) {
+absl::StatusOr<ServiceAccess> ServiceAccess::OpenWith(const ServerArguments& arguments, const StartLocal& start_local,
+                                                      const CliContext& context) {
   ServiceAccess service;
   const absl::StatusOr<ClientOptions> options = OptionsOf(arguments);
   if (!options.ok()) return options.status();
   if (!arguments.server.empty()) {
-    if (absl::Status status = CheckServer(arguments.server); !status.ok()) return status;
-    absl::StatusOr<std::unique_ptr<Client>> client = Client::Connect(arguments.server, *options);
+    absl::StatusOr<std::unique_ptr<Client>> client = Connect(arguments.server, *options, context);
     if (!client.ok()) return client.status();
     service.client_ = *std::move(client);
     return service;

@@ -33,16 +33,18 @@ void AddServerOptions(CLI::App& command, ServerArguments& arguments);
 
 class ServiceAccess {
  public:
-  // INVALID_ARGUMENT: arguments; UNAVAILABLE: no server answers there.
-  static absl::StatusOr<ServiceAccess> Open(const ServerArguments& arguments);
+  // INVALID_ARGUMENT: arguments; UNAVAILABLE: no server answers there; CANCELLED: interrupted. Says on standard error
+  // when that takes long.
+  static absl::StatusOr<ServiceAccess> Open(const ServerArguments& arguments, const CliContext& context);
   // The same, but the service in this process keeps scans and traverses in the folder. Errors of Server::Start,
   // but FAILED_PRECONDITION in place of UNAVAILABLE: it is the folder that cannot be used.
-  static absl::StatusOr<ServiceAccess> OpenWithData(const ServerArguments& arguments, const std::string& data_dir);
+  static absl::StatusOr<ServiceAccess> OpenWithData(const ServerArguments& arguments, const std::string& data_dir,
+                                                    const CliContext& context);
 
   ServiceAccess() = default;
   ServiceAccess(ServiceAccess&&) = default;
   ServiceAccess& operator=(ServiceAccess&&) = delete;
-  ~ServiceAccess();  // deletes what DeleteAtEnd named; warns where that fails
+  ~ServiceAccess();  // deletes what DeleteAtEnd named; warns where that does not succeed soon
 
   Client& client() { return *client_; }
   bool is_remote() const { return local_ == nullptr; }
@@ -51,7 +53,8 @@ class ServiceAccess {
 
  private:
   using StartLocal = std::function<absl::StatusOr<std::unique_ptr<server::Server>>()>;
-  static absl::StatusOr<ServiceAccess> OpenWith(const ServerArguments& arguments, const StartLocal& start_local);
+  static absl::StatusOr<ServiceAccess> OpenWith(const ServerArguments& arguments, const StartLocal& start_local,
+                                                const CliContext& context);
 
   std::unique_ptr<server::Server> local_;  // outlives the client
   std::unique_ptr<Client> client_;

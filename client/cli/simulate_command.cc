@@ -123,7 +123,7 @@ std::string SummaryJson(const Arguments& arguments, const sim::Simulation& simul
 
 // The files as they were written, so that the server has what a reader of the folder has.
 absl::Status UploadDataset(const Arguments& arguments, int num_scans, const CliContext& context) {
-  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server, context);
   if (!service.ok()) return service.status();
   ProgressBar bar("uploading");
   for (int i = 0; i < num_scans; ++i) {

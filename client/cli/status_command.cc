@@ -24,7 +24,8 @@ struct Arguments {
 constexpr char kNotes[] =
     R"(Without --server it tells of the service in this process, which says nothing about any server.
 
-Exit status: 0 the server serves, 1 internal fault, 2 bad arguments, 4 it does not serve, is unreachable or refused.
+Exit status: 0 the server serves, 1 internal fault or interrupted, 2 bad arguments, 4 it does not serve, is unreachable
+or refused.
 
 Example:
   curvereg status --server ground-station:50051)";
@@ -62,10 +63,10 @@ std::string StatusJson(const std::string& server, const ServerStatus& status) {
   return JsonText(json) + "\n";
 }
 
-ExitCode Run(const Arguments& arguments) {
-  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server);
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
+  absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server, context);
   if (!service.ok()) return ReportError(service.status());
-  const absl::StatusOr<ServerStatus> status = service->client().Status();
+  const absl::StatusOr<ServerStatus> status = service->client().Status(context.UntilInterrupted());
   if (!status.ok()) return ReportError(status.status());
   const std::string& server = arguments.server.server;
   const ExitCode printed = PrintResult(arguments.json ? StatusJson(server, *status) : StatusText(server, *status));
@@ -81,7 +82,7 @@ Command AddStatusCommand(CLI::App& app) {
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
   AddServerOptions(*command, arguments->server);
   command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext&) { return Run(*arguments); }};
+  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

@@ -83,10 +83,10 @@ absl::StatusOr<TraverseSettings> SettingsOf(const Arguments& arguments) {
 
 // The traverse to go on with or to begin.
 absl::StatusOr<RemoteTraverse> BeginTraverse(TraverseClient& client, const Arguments& arguments,
-                                             const TraverseSettings& settings) {
+                                             const TraverseSettings& settings, const CliContext& context) {
   const std::string name = TraverseName(arguments.traverse.id);
   if (arguments.resume) {
-    absl::StatusOr<RemoteTraverse> found = client.Get(name);
+    absl::StatusOr<RemoteTraverse> found = client.Get(name, context.UntilInterrupted());
     if (found.ok() && !arguments.method.empty() &&
         found->settings.registration.method != settings.registration.method) {
       ReportWarning(absl::StrCat(name, ": keeps the method it was begun with, ",
@@ -94,7 +94,8 @@ absl::StatusOr<RemoteTraverse> BeginTraverse(TraverseClient& client, const Argum
     }
     if (!absl::IsNotFound(found.status())) return found;
   }
-  absl::StatusOr<RemoteTraverse> traverse = client.Create(name.substr(name.find('/') + 1), settings);
+  absl::StatusOr<RemoteTraverse> traverse =
+      client.Create(name.substr(name.find('/') + 1), settings, context.UntilInterrupted());
   if (absl::IsAlreadyExists(traverse.status())) {
     return absl::AlreadyExistsError(
         absl::StrCat(traverse.status().message(), "; take another name, or --resume, which keeps its settings"));
@@ -169,13 +170,15 @@ absl::Status Run(const Stream& stream, StreamAccount& account, const CliContext&
 // After all scans: what was asked for in the end, and the summary.
 ExitCode Finish(const Arguments& arguments, TraverseClient& client, const std::string& name,
                 const StreamAccount& account, const CliContext& context) {
+  // ^C is how a watched folder ends, and what comes after is still to be done.
+  const Stop until = arguments.source.follow.empty() ? context.UntilInterrupted() : Stop();
   std::optional<OptimizationOutcome> optimized;
   if (arguments.optimize) {
-    const absl::StatusOr<OptimizationOutcome> outcome = client.Optimize(name, true, context.interrupted);
+    const absl::StatusOr<OptimizationOutcome> outcome = client.Optimize(name, true, until.cancellation);
     if (!outcome.ok()) return ReportError(outcome.status());
     optimized = *outcome;
   }
-  const absl::StatusOr<RemoteTraverse> traverse = client.Get(name);
+  const absl::StatusOr<RemoteTraverse> traverse = client.Get(name, until);
   if (!traverse.ok()) return ReportError(traverse.status());
   if (!account.printed_all) return ExitCode::kUsage;  // said already
   const ExitCode printed = PrintAnswer(arguments.traverse, StreamSummaryJson(*traverse, account, optimized),
@@ -202,10 +205,10 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (!settings.ok()) return ReportError(settings.status());
   absl::StatusOr<ScanSource> source = ScanSource::Open(arguments.source);
   if (!source.ok()) return ReportError(source.status());
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kMayBegin);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kMayBegin, context);
   if (!service.ok()) return ReportError(service.status());
   TraverseClient& client = service->client().traverses();
-  const absl::StatusOr<RemoteTraverse> begun = BeginTraverse(client, arguments, *settings);
+  const absl::StatusOr<RemoteTraverse> begun = BeginTraverse(client, arguments, *settings, context);
   if (!begun.ok()) return ReportError(begun.status());
   StreamAccount account;
   const absl::Status streamed = Run(Stream{arguments, client, *begun, *source}, account, context);

@@ -47,14 +47,15 @@ absl::Status NoPoses(const std::string& name, const RemoteTrajectory& trajectory
   return absl::NotFoundError(absl::StrCat(name, ": has no poses in segment ", segment));
 }
 
-ExitCode Run(const Arguments& arguments) {
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (!arguments.out.empty()) {
     if (const absl::Status output = CheckOutputFile(arguments.out); !output.ok()) return ReportError(output);
   }
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere, context);
   if (!service.ok()) return ReportError(service.status());
   const std::string name = TraverseName(arguments.traverse.id);
-  const absl::StatusOr<RemoteTrajectory> trajectory = service->client().traverses().GetTrajectory(name);
+  const absl::StatusOr<RemoteTrajectory> trajectory =
+      service->client().traverses().GetTrajectory(name, context.UntilInterrupted());
   if (!trajectory.ok()) return ReportError(trajectory.status());
   if (arguments.traverse.json && arguments.out.empty()) {
     return PrintAnswer(arguments.traverse, TrajectoryJson(*trajectory), "");
@@ -95,7 +96,7 @@ Command AddTrajectoryCommand(CLI::App& app) {
       ->type_name("N");
   AddTraverseOptions(*command, arguments->traverse, "Print one JSON object: all poses, or with --out what was written");
   command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext&) { return Run(*arguments); }};
+  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

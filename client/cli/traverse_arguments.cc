@@ -27,7 +27,8 @@ void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const s
 
 std::string TraverseName(const std::string& id) { return id.starts_with(kPrefix) ? id : kPrefix + id; }
 
-absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder) {
+absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder,
+                                            const CliContext& context) {
   std::error_code error;
   const bool is_local = arguments.server.server.empty() && !arguments.data_dir.empty();
   if (is_local && folder == DataFolder::kIsThere && !std::filesystem::exists(arguments.data_dir, error)) {
@@ -35,7 +36,7 @@ absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, 
                                             ": no such data folder; name the one that `stream` made with --data-dir, "
                                             "or a server with --server"));
   }
-  return ServiceAccess::OpenWithData(arguments.server, arguments.data_dir);
+  return ServiceAccess::OpenWithData(arguments.server, arguments.data_dir, context);
 }
 
 ExitCode PrintAnswer(const TraverseArguments& arguments, const nlohmann::ordered_json& json, const std::string& text) {

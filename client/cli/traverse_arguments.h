@@ -30,7 +30,8 @@ std::string TraverseName(const std::string& id);
 // The service: a server's, else one in this process over the data folder. NOT_FOUND: no such folder, unless it
 // may begin now; errors of ServiceAccess::OpenWithData.
 enum class DataFolder { kIsThere, kMayBegin };
-absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder);
+absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder,
+                                            const CliContext& context);
 
 // The answer of a command: JSON where that was asked for, else the text. As PrintResult.
 ExitCode PrintAnswer(const TraverseArguments& arguments, const nlohmann::ordered_json& json, const std::string& text);

@@ -60,8 +60,8 @@ std::string Description(const RemoteTraverse& traverse) {
   return text;
 }
 
-ExitCode List(const Arguments& arguments, TraverseClient& client) {
-  const absl::StatusOr<std::vector<RemoteTraverse>> traverses = client.List();
+ExitCode List(const Arguments& arguments, TraverseClient& client, const CliContext& context) {
+  const absl::StatusOr<std::vector<RemoteTraverse>> traverses = client.List(context.UntilInterrupted());
   if (!traverses.ok()) return ReportError(traverses.status());
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   std::string text;
@@ -72,8 +72,9 @@ ExitCode List(const Arguments& arguments, TraverseClient& client) {
   return PrintAnswer(arguments.traverse, {{"traverses", std::move(json)}}, text);
 }
 
-ExitCode Show(const Arguments& arguments, TraverseClient& client) {
-  const absl::StatusOr<RemoteTraverse> traverse = client.Get(TraverseName(arguments.traverse.id));
+ExitCode Show(const Arguments& arguments, TraverseClient& client, const CliContext& context) {
+  const absl::StatusOr<RemoteTraverse> traverse =
+      client.Get(TraverseName(arguments.traverse.id), context.UntilInterrupted());
   if (!traverse.ok()) return ReportError(traverse.status());
   return PrintAnswer(arguments.traverse, TraverseJson(*traverse), Description(*traverse));
 }
@@ -85,9 +86,10 @@ ExitCode Optimize(const Arguments& arguments, TraverseClient& client, const CliC
   return PrintAnswer(arguments.traverse, OptimizationJson(*outcome), OptimizationText(*outcome));
 }
 
-ExitCode Delete(const Arguments& arguments, TraverseClient& client) {
+ExitCode Delete(const Arguments& arguments, TraverseClient& client, const CliContext& context) {
   const std::string name = TraverseName(arguments.traverse.id);
-  if (const absl::Status status = client.Delete(name); !status.ok()) return ReportError(status);
+  if (const absl::Status status = client.Delete(name, context.UntilInterrupted()); !status.ok())
+    return ReportError(status);
   return PrintAnswer(arguments.traverse, {{"deleted", name}}, "");
 }
 
@@ -122,10 +124,10 @@ absl::Status ReadMap(TraverseClient& client, double cell_m, const CliContext& co
 absl::StatusOr<TraverseRecord> ReadRecord(const Arguments& arguments, TraverseClient& client,
                                           const CliContext& context) {
   TraverseRecord record;
-  absl::StatusOr<RemoteTraverse> traverse = client.Get(TraverseName(arguments.traverse.id));
+  absl::StatusOr<RemoteTraverse> traverse = client.Get(TraverseName(arguments.traverse.id), context.UntilInterrupted());
   if (!traverse.ok()) return traverse.status();
   record.traverse = *std::move(traverse);
-  absl::StatusOr<RemoteTrajectory> trajectory = client.GetTrajectory(record.traverse.name);
+  absl::StatusOr<RemoteTrajectory> trajectory = client.GetTrajectory(record.traverse.name, context.UntilInterrupted());
   if (!trajectory.ok()) return trajectory.status();
   record.trajectory = *std::move(trajectory);
   absl::Status read = ReadEvents(client, context, record);
@@ -151,14 +153,14 @@ ExitCode Report(const Arguments& arguments, TraverseClient& client, const CliCon
 }
 
 ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliContext& context) {
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere, context);
   if (!service.ok()) return ReportError(service.status());
   TraverseClient& client = service->client().traverses();
-  if (command.got_subcommand("list")) return List(arguments, client);
-  if (command.got_subcommand("show")) return Show(arguments, client);
+  if (command.got_subcommand("list")) return List(arguments, client, context);
+  if (command.got_subcommand("show")) return Show(arguments, client, context);
   if (command.got_subcommand("optimize")) return Optimize(arguments, client, context);
   if (command.got_subcommand("report")) return Report(arguments, client, context);
-  return Delete(arguments, client);
+  return Delete(arguments, client, context);
 }
 
 CLI::App* AddAction(CLI::App& command, const std::string& name, const std::string& help, Arguments& arguments) {

@@ -35,7 +35,7 @@ Examples:
   curvereg watch sol-12 --once --json --server ground-station:50051)";
 
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
-  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere, context);
   if (!service.ok()) return ReportError(service.status());
   std::stop_source unread;  // whoever read our output is gone
   const std::stop_callback interrupt(context.interrupted, [&unread] { unread.request_stop(); });
