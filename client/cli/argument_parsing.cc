@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -18,6 +19,7 @@ namespace curvereg::cli {
 namespace {
 
 constexpr std::size_t kMaxNumbers = 16;
+constexpr double kMaxSeconds = 1e9;  // clocks count nanoseconds in 64 bits
 
 // The numbers in `text`; nullopt when a word is no finite number or there are more than kMaxNumbers.
 std::optional<std::vector<double>> ParseNumbers(const std::string& text) {
@@ -141,6 +143,12 @@ std::string CheckPositive(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value > 0.0) return {};
   return absl::StrCat("expected a number above 0, got '", text, "'");
+}
+
+std::string CheckSeconds(const std::string& text) {
+  std::string error = CheckPositive(text);
+  if (!error.empty() || std::strtod(text.c_str(), nullptr) <= kMaxSeconds) return error;
+  return absl::StrCat("expected at most ", kMaxSeconds, " seconds, got '", text, "'");
 }
 
 std::string CheckNotNegative(const std::string& text) {

@@ -175,7 +175,7 @@ Command AddEvaluateCommand(CLI::App& app) {
   command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")->check(CheckPositive);
+  command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")->check(CheckSeconds);
   command
       ->add_option("--out", arguments->out,
                    "Folder for report.html, report.json (of a traverse: traverse.json), figures, trajectories and maps")

@@ -230,7 +230,7 @@ Command AddRegisterCommand(CLI::App& app) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_option("--time-budget", arguments->time_budget_s, "Seconds; then the best pose so far, if any")
-      ->check(CheckPositive);
+      ->check(CheckSeconds);
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
   command
       ->add_option(

@@ -49,7 +49,7 @@ void AddScanSourceOptions(CLI::App& command, ScanSourceArguments& arguments) {
       ->type_name("DIR");
   command
       .add_option("--idle-end", arguments.idle_end_s, "With --follow: end when nothing new came for so many seconds")
-      ->check(CheckPositive)
+      ->check(CheckSeconds)
       ->type_name("S");
   command
       .add_option("--priors", arguments.priors,
@@ -69,7 +69,7 @@ absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments
     GrowingFolder::Options options;
     options.except = arguments.priors;
     if (arguments.idle_end_s > 0.0) {
-      options.idle_end = std::chrono::milliseconds(static_cast<int64_t>(arguments.idle_end_s * 1e3));
+      options.idle_end = std::chrono::milliseconds(static_cast<int64_t>(std::ceil(arguments.idle_end_s * 1e3)));
     }
     source.growing_.emplace(arguments.follow, options);
   } else if (arguments.idle_end_s > 0.0) {

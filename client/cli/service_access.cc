@@ -5,6 +5,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <stop_token>
@@ -37,8 +38,10 @@ absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
     return std::string(token == nullptr ? "" : token);
   }
   const absl::StatusOr<FileBytes> bytes = ReadFileBytes(arguments.token_file, kMaxTokenBytes);
-  if (!bytes.ok()) return bytes.status();
-  return std::string(absl::StripAsciiWhitespace(std::string(bytes->view())));
+  if (!bytes.ok()) return absl::Status(bytes.status().code(), absl::StrCat("--token-file: ", bytes.status().message()));
+  std::string token(absl::StripAsciiWhitespace(std::string(bytes->view())));
+  if (!token.empty()) return token;
+  return absl::InvalidArgumentError(absl::StrCat("--token-file: ", arguments.token_file, ": holds no token"));
 }
 
 // gRPC takes a port modulo 65536, 0 for what is no number, and "http://..." for a host.
@@ -94,7 +97,7 @@ absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
   if (!token.ok()) return token.status();
   ClientOptions options;
   options.token = *token;
-  options.call_timeout = std::chrono::milliseconds(static_cast<int64_t>(arguments.timeout_s * 1e3));
+  options.call_timeout = std::chrono::milliseconds(static_cast<int64_t>(std::ceil(arguments.timeout_s * 1e3)));
   options.connect_timeout = std::min(options.connect_timeout, options.call_timeout);
   options.tls = {.enabled = arguments.tls || !arguments.ca.empty() || !arguments.certificate.empty(),
                  .ca_file = arguments.ca,
@@ -135,7 +138,7 @@ void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
       ->group(group);
   command
       .add_option("--timeout", arguments.timeout_s, "Seconds for a call with its retries; connecting takes at most 10")
-      ->check(CheckPositive)
+      ->check(CheckSeconds)
       ->capture_default_str()
       ->group(group);
 }

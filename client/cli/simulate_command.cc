@@ -15,6 +15,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/argument_parsing.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/service_access.h"
 #include "client/cli/simulated_dataset.h"
@@ -168,10 +169,10 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 // Declares an option whose value is put into the preset's options by `set`. Ranges are Validate()'s to check.
 template <typename T>
-void AddChange(CLI::App* command, Arguments* arguments, const std::string& name_and_help,
-               void (*set)(sim::SimulationOptions&, T)) {
+CLI::Option* AddChange(CLI::App* command, Arguments* arguments, const std::string& name_and_help,
+                       void (*set)(sim::SimulationOptions&, T)) {
   const std::size_t space = name_and_help.find(' ');
-  command->add_option_function<T>(
+  return command->add_option_function<T>(
       name_and_help.substr(0, space),
       [arguments, set](const T& value) {
         arguments->changes.push_back([set, value](sim::SimulationOptions& options) { set(options, value); });
@@ -183,7 +184,8 @@ using Options = sim::SimulationOptions;
 
 void AddDriveChanges(CLI::App* command, Arguments* arguments) {
   AddChange<uint64_t>(command, arguments, "--seed The same seed gives the same bytes",
-                      [](Options& options, uint64_t value) { options.seed = value; });
+                      [](Options& options, uint64_t value) { options.seed = value; })
+      ->check(CheckNotNegative);
   AddChange<int>(command, arguments, "--scans Number of scans",
                  [](Options& options, int value) { options.num_scans = value; });
   AddChange<double>(command, arguments, "--step Metres of driving between scans",

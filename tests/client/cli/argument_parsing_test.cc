@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_cat.h"
 #include "tests/testing/test_data.h"
 
 namespace curvereg::cli {
@@ -72,6 +73,16 @@ TEST(ParsePriorSigma, SquaresOntoTheDiagonal) {
   EXPECT_TRUE(
       covariance->isApprox(Matrix6d((Vector6d() << 0.01, 0.01, 0.01, 4.0, 4.0, 4.0).finished().asDiagonal()), 1e-12));
   for (const char* text : {"0.1", "0,1", "-1,1", "1,1,1"}) EXPECT_FALSE(ParsePriorSigma(text).ok()) << text;
+}
+
+TEST(Checks, TellWhatIsExpected) {
+  EXPECT_EQ(CheckSeconds("0.0001"), "");
+  EXPECT_EQ(CheckSeconds("1e9"), "");
+  for (const char* text : {"", "0", "-1", "nan", "inf", "1e10", "1e300", "1e999", "5s", " 5"}) {
+    EXPECT_THAT(CheckSeconds(text), HasSubstr(absl::StrCat("'", text, "'")));
+  }
+  EXPECT_EQ(CheckNotNegative("18446744073709551615"), "");
+  for (const char* text : {"", "-1", "1.5", "18446744073709551616"}) EXPECT_NE(CheckNotNegative(text), "") << text;
 }
 
 TEST(ParseMethods, NamesInOrder) {
