@@ -10,8 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/traverses.h"
 #include "tests/client/scripted_server.h"
 #include "tests/testing/scenes.h"
+#include "tests/testing/silent_server.h"
 #include "wire/conversion.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
@@ -197,6 +199,39 @@ TEST(ClientTest, CancellationReachesTheServer) {
   EXPECT_TRUE(absl::IsCancelled(result.status())) << result.status();
   for (int i = 0; i < 1000 && !cancelled; ++i) std::this_thread::sleep_for(milliseconds(5));
   EXPECT_TRUE(cancelled);
+}
+
+TEST(ClientTest, UnaryCallsEndWhenTheCallerSays) {
+  const testing::SilentServer server;
+  ClientOptions options = QuickOptions();
+  options.call_timeout = std::chrono::seconds(60);
+  const auto client = ConnectTo(server.target(), options);
+  const Clock::time_point start = Clock::now();
+  std::stop_source cancelled;
+  cancelled.request_stop();
+  const Stop at_once{cancelled.get_token(), std::nullopt};
+  const Stop soon{{}, start + milliseconds(200)};
+  EXPECT_TRUE(absl::IsCancelled(client->Status(at_once).status()));
+  EXPECT_TRUE(absl::IsCancelled(client->GetScan("scans/a", at_once).status()));
+  EXPECT_TRUE(absl::IsCancelled(client->ListScans(at_once).status()));
+  EXPECT_TRUE(absl::IsCancelled(client->DeleteScan("scans/a", at_once)));
+  EXPECT_TRUE(absl::IsCancelled(client->traverses().Get("traverses/a", at_once).status()));
+  EXPECT_TRUE(absl::IsDeadlineExceeded(client->DeleteScan("scans/a", soon)));
+  EXPECT_TRUE(absl::IsDeadlineExceeded(client->traverses().Delete("traverses/a", soon)));
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(20));
+}
+
+TEST(ClientTest, ConnectingEndsWhenTheCallerSays) {
+  ClientOptions options = QuickOptions();
+  options.connect_timeout = std::chrono::seconds(60);
+  std::stop_source cancellation;
+  const std::jthread user([&cancellation] {
+    std::this_thread::sleep_for(milliseconds(100));
+    cancellation.request_stop();
+  });
+  const Clock::time_point start = Clock::now();
+  EXPECT_TRUE(absl::IsCancelled(Client::Connect("127.0.0.1:1", options, cancellation.get_token()).status()));
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(20));
 }
 
 TEST(ClientTest, SendsTheTokenAsBearer) {

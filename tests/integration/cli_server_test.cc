@@ -103,8 +103,41 @@ TEST_F(CliServerTest, EvaluateUsesTheServerAndLeavesNothingThere) {
   ASSERT_EQ(alone.status, 0) << alone.err;
   ASSERT_EQ(asking.status, 0) << asking.err;
   const json a = json::parse(alone.out), b = json::parse(asking.out);
-  ASSERT_EQ(a["methods"][0]["pairs"].size(), b["methods"][0]["pairs"].size()) << asking.out;
+  for (const char* figure : {"pairs", "ok", "accepted", "accepted_wrong", "failed_calls", "median_translation_m"}) {
+    ASSERT_TRUE(a["methods"][0].contains(figure)) << figure << " " << alone.out;
+    EXPECT_EQ(a["methods"][0][figure], b["methods"][0][figure]) << figure;
+  }
   EXPECT_THAT(Asking("scans list").out, IsEmpty());
+}
+
+TEST_F(CliServerTest, RefusalsAreStatusFour) {
+  const testing::TemporaryFolder limited_folder, guarded_folder;
+  const testing::ServerProcess limited(CURVEREG_SERVER_EXECUTABLE, limited_folder.path(),
+                                       {"--limits-max-scan-points", "100"});
+  const std::string tokens = guarded_folder.File("tokens.toml");
+  ASSERT_EQ(
+      testing::RunIn(guarded_folder.path(), "'" CURVEREG_SERVER_EXECUTABLE "' make-token rover --append-to tokens.toml")
+          .status,
+      0);
+  const testing::ServerProcess guarded(CURVEREG_SERVER_EXECUTABLE, guarded_folder.path(), {"--token-file", tokens});
+  for (const testing::ServerProcess* server : {&limited, &guarded}) {
+    ASSERT_NE(server->port(), 0);
+    const Finished finished = Alone("evaluate yard --out refused --server " + server->target());
+    EXPECT_EQ(finished.status, 4) << finished.err;
+    EXPECT_THAT(finished.out, IsEmpty());
+  }
+  const Finished upload = Alone("scans upload yard/0000.pcd yard/0001.pcd --server " + limited.target());
+  EXPECT_EQ(upload.status, 4);
+  EXPECT_THAT(upload.err, HasSubstr("yard/0000.pcd: "));
+}
+
+TEST_F(CliServerTest, FilesAreReadBeforeAServerIsWaitedFor) {
+  for (const char* command : {"register absent.pcd yard/0000.pcd", "inspect absent.pcd --out pictures",
+                              "scans upload yard/0000.pcd absent.pcd"}) {
+    const Finished finished = Alone(std::string(command) + " --server 127.0.0.1:1 --timeout 2");
+    EXPECT_EQ(finished.status, 2) << command;
+    EXPECT_THAT(finished.err, HasSubstr("absent.pcd")) << command;
+  }
 }
 
 TEST_F(CliServerTest, SimulateStoresItsScans) {
@@ -122,6 +155,7 @@ TEST_F(CliServerTest, WrongTlsArgumentsAreSaid) {
   EXPECT_EQ(no_file.status, 2);
   EXPECT_THAT(no_file.err, HasSubstr("nowhere.pem"));
   EXPECT_EQ(Asking("status --tls --timeout 2").status, 4) << "the server speaks plain text";
+  EXPECT_EQ(Alone("status --server 127.0.0.1:" + std::to_string(server_->port() + 65536)).status, 2);
 }
 
 }  // namespace
