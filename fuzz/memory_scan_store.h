@@ -65,6 +65,7 @@ class MemoryScanStore final : public ScanStore {
   absl::StatusOr<StoredScan> GetScan(const std::string&) override { return NoScan(); }
   absl::StatusOr<std::string> ReadPayload(const std::string&, uint64_t, uint64_t) override { return NoScan(); }
   absl::StatusOr<std::string> ReadWholePayload(const std::string&) override { return NoScan(); }
+  absl::Status CheckScan(const std::string&) override { return NoScan(); }
   absl::StatusOr<ScanPage> ListScans(int, const std::string& page_token) override {
     if (!page_token.empty() && !PlaceOfToken(page_token).has_value()) return wire::FieldError("page_token", "not ours");
     return ScanPage();
@@ -73,6 +74,7 @@ class MemoryScanStore final : public ScanStore {
   absl::Status WithSpareSpace(const std::function<absl::Status()>& work) override { return work(); }
   StoreStatistics Statistics() override { return {}; }
   std::vector<std::string> DamagedScans() override { return {}; }
+  StoreFindings Findings() override { return {}; }
 
  private:
   static absl::Status NoScan() { return wire::MakeError(v1::ERROR_REASON_SCAN_NOT_FOUND, "none"); }
