@@ -15,13 +15,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr MethodTraits kTraits = {v1::RegistrationService::service_full_name(), "RegisterScans", Scope::kRead};
 constexpr std::chrono::milliseconds kMinMargin{50};
 constexpr std::chrono::milliseconds kMaxMargin{1000};
 
 bool NeedsPreparation(Method method) { return method == Method::kCurvelet || method == Method::kIcp; }
 
 }  // namespace
+
+const MethodTraits RegisterCall::kTraits = {v1::RegistrationService::service_full_name(), "RegisterScans",
+                                            Scope::kRead};
 
 Clock::time_point AnswerBy(Clock::time_point now, Clock::time_point deadline) {
   return deadline - std::clamp<Clock::duration>((deadline - now) / 10, kMinMargin, kMaxMargin);

@@ -22,6 +22,8 @@ std::chrono::steady_clock::time_point AnswerBy(std::chrono::steady_clock::time_p
 
 class RegisterCall final : public ComputingCall {
  public:
+  static const MethodTraits kTraits;
+
   // Request and response outlive the call.
   RegisterCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
                const v1::RegisterScansRequest& request, v1::RegisterScansResponse& response);

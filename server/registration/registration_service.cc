@@ -13,6 +13,12 @@ constexpr MethodTraits kListMethods = {v1::RegistrationService::service_full_nam
 
 }  // namespace
 
+RegistrationService::RegistrationService(const RegistrationBackend& backend) : backend_(backend) {
+  Check(backend.calls, RegisterCall::kTraits, &RegistrationService::RegisterScans);
+  Check(backend.calls, kListMethods, &RegistrationService::ListMethods);
+  Check(backend.calls, RenderCall::kTraits, &RegistrationService::RenderScan);
+}
+
 grpc::ServerUnaryReactor* RegistrationService::RegisterScans(grpc::CallbackServerContext* context,
                                                              const v1::RegisterScansRequest* request,
                                                              v1::RegisterScansResponse* response) {

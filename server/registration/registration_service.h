@@ -7,6 +7,7 @@
 
 #include "curvereg/v1/registration_service.grpc.pb.h"
 #include "server/call.h"
+#include "server/checked_service.h"
 #include "server/scheduling/memory_budget.h"
 #include "server/scheduling/prepared_scan_cache.h"
 #include "server/scheduling/worker_pool.h"
@@ -25,9 +26,9 @@ struct RegistrationBackend {
   ScanStore* store = nullptr;
 };
 
-class RegistrationService final : public v1::RegistrationService::CallbackService {
+class RegistrationService final : public CheckedService<v1::RegistrationService::CallbackService> {
  public:
-  explicit RegistrationService(const RegistrationBackend& backend) : backend_(backend) {}
+  explicit RegistrationService(const RegistrationBackend& backend);
 
   grpc::ServerUnaryReactor* RegisterScans(grpc::CallbackServerContext* context, const v1::RegisterScansRequest* request,
                                           v1::RegisterScansResponse* response) override;

@@ -13,8 +13,6 @@
 namespace curvereg::server {
 namespace {
 
-constexpr MethodTraits kTraits = {v1::RegistrationService::service_full_name(), "RenderScan", Scope::kRead};
-
 constexpr std::array<std::pair<PictureKind, v1::PictureKind>, 4> kKinds = {
     {{PictureKind::kViews, v1::PICTURE_KIND_VIEWS},
      {PictureKind::kCoefficients, v1::PICTURE_KIND_COEFFICIENTS},
@@ -39,6 +37,8 @@ absl::StatusOr<std::set<PictureKind>> KindsOf(const v1::RenderScanRequest& reque
 }
 
 }  // namespace
+
+const MethodTraits RenderCall::kTraits = {v1::RegistrationService::service_full_name(), "RenderScan", Scope::kRead};
 
 RenderCall::RenderCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
                        const v1::RenderScanRequest& request, v1::RenderScanResponse& response)

@@ -16,6 +16,8 @@ namespace curvereg::server {
 
 class RenderCall final : public ComputingCall {
  public:
+  static const MethodTraits kTraits;
+
   // Request and response outlive the call.
   RenderCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
              const v1::RenderScanRequest& request, v1::RenderScanResponse& response);

@@ -13,12 +13,13 @@
 namespace curvereg::server {
 namespace {
 
-constexpr MethodTraits kTraits = {v1::ScanService::service_full_name(), "DownloadScan", Scope::kRead};
 constexpr uint64_t kLeastChunkBytes = 1024;  // each chunk costs a look into the store
 constexpr uint64_t kSkippedPieceBytes = uint64_t{1} << 20;
 constexpr uint64_t kSkippedAtOnceBytes = uint64_t{8} << 20;  // then others have their turn
 
 }  // namespace
+
+const MethodTraits DownloadStream::kTraits = {v1::ScanService::service_full_name(), "DownloadScan", Scope::kRead};
 
 DownloadStream::DownloadStream(const Environment& environment, grpc::CallbackServerContext& context,
                                const v1::DownloadScanRequest& request)

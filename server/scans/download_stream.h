@@ -22,6 +22,8 @@ namespace curvereg::server {
 
 class DownloadStream final : public ResponseStream<v1::DownloadScanResponse> {
  public:
+  static const MethodTraits kTraits;
+
   // Everything in it outlives the call.
   struct Environment {
     CallEnvironment calls;

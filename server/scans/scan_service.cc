@@ -64,7 +64,13 @@ ScanService::ScanService(const ScanBackend& backend)
       uploads_{backend.calls,
                {backend.limits, backend.memory, backend.store, backend.calls.metrics, &upload_owners_},
                backend.disk_pool},
-      downloads_{backend.calls, backend.limits, backend.store, backend.disk_pool} {}
+      downloads_{backend.calls, backend.limits, backend.store, backend.disk_pool} {
+  Check(backend.calls, DownloadStream::kTraits, &ScanService::DownloadScan);
+  Check(backend.calls, kGetUpload, &ScanService::GetUpload);
+  Check(backend.calls, kGetScan, &ScanService::GetScan);
+  Check(backend.calls, kListScans, &ScanService::ListScans);
+  Check(backend.calls, kDeleteScan, &ScanService::DeleteScan);
+}
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* ScanService::UploadScan(
     grpc::CallbackServerContext* context) {

@@ -7,6 +7,7 @@
 
 #include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/call.h"
+#include "server/checked_service.h"
 #include "server/scans/download_stream.h"
 #include "server/scans/unary_disk_call.h"
 #include "server/scans/upload_session.h"
@@ -37,7 +38,7 @@ using ScanServiceBase = v1::ScanService::WithRawCallbackMethod_UploadScan<
         v1::ScanService::WithCallbackMethod_GetScan<v1::ScanService::WithCallbackMethod_ListScans<
             v1::ScanService::WithCallbackMethod_DeleteScan<v1::ScanService::Service>>>>>>;
 
-class ScanService final : public ScanServiceBase {
+class ScanService final : public CheckedService<ScanServiceBase> {
  public:
   explicit ScanService(const ScanBackend& backend);
 

@@ -15,7 +15,6 @@
 namespace curvereg::server {
 namespace {
 
-constexpr MethodTraits kTraits = {v1::TraverseService::service_full_name(), "DownloadMap", Scope::kRead};
 // Two seconds of a thin link (256 kbit/s): what a cut costs at most.
 constexpr uint64_t kChunkBytes = 64 << 10;
 
@@ -25,6 +24,8 @@ absl::Status GoneError(std::string_view message) {
 }
 
 }  // namespace
+
+const MethodTraits MapStream::kTraits = {v1::TraverseService::service_full_name(), "DownloadMap", Scope::kRead};
 
 MapStream::MapStream(const Environment& environment, grpc::CallbackServerContext& context,
                      const v1::DownloadMapRequest& request)

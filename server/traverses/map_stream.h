@@ -22,6 +22,8 @@ namespace curvereg::server {
 
 class MapStream final : public ResponseStream<v1::DownloadMapResponse> {
  public:
+  static const MethodTraits kTraits;
+
   // Everything in it outlives the call.
   struct Environment {
     CallEnvironment calls;

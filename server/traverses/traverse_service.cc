@@ -71,7 +71,16 @@ TraverseService::TraverseService(const TraverseBackend& backend)
                     backend.traverse_environment.disk_pool},
       watch_streams_{backend.calls, backend.traverses, backend.traverse_environment.disk_pool},
       map_streams_{backend.calls, backend.traverse_environment.limits, backend.traverses,
-                   backend.maps,  backend.traverse_environment.pool,   backend.traverse_environment.disk_pool} {}
+                   backend.maps,  backend.traverse_environment.pool,   backend.traverse_environment.disk_pool} {
+  Check(backend.calls, kCreateTraverse, &TraverseService::CreateTraverse);
+  Check(backend.calls, kGetTraverse, &TraverseService::GetTraverse);
+  Check(backend.calls, kListTraverses, &TraverseService::ListTraverses);
+  Check(backend.calls, kGetTrajectory, &TraverseService::GetTrajectory);
+  Check(backend.calls, WatchStream::kTraits, &TraverseService::WatchTraverse);
+  Check(backend.calls, MapStream::kTraits, &TraverseService::DownloadMap);
+  Check(backend.calls, kOptimizeTraverse, &TraverseService::OptimizeTraverse);
+  Check(backend.calls, kDeleteTraverse, &TraverseService::DeleteTraverse);
+}
 
 UnaryDiskCall* TraverseService::NewCall(const MethodTraits& traits, grpc::CallbackServerContext& context) const {
   return new UnaryDiskCall(*backend_.traverse_environment.disk_pool, backend_.calls, traits, context);

@@ -8,6 +8,7 @@
 
 #include "curvereg/v1/traverse_service.grpc.pb.h"
 #include "server/call.h"
+#include "server/checked_service.h"
 #include "server/scans/unary_disk_call.h"
 #include "server/scans/upload_session.h"
 #include "server/traverses/map_builder.h"
@@ -34,7 +35,7 @@ using TraverseServiceBase = v1::TraverseService::WithRawCallbackMethod_StreamSca
                 v1::TraverseService::WithCallbackMethod_OptimizeTraverse<
                     v1::TraverseService::WithCallbackMethod_DeleteTraverse<v1::TraverseService::Service>>>>>>>>>;
 
-class TraverseService final : public TraverseServiceBase {
+class TraverseService final : public CheckedService<TraverseServiceBase> {
  public:
   explicit TraverseService(const TraverseBackend& backend);
 

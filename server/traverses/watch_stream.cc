@@ -12,10 +12,11 @@
 namespace curvereg::server {
 namespace {
 
-constexpr MethodTraits kTraits = {v1::TraverseService::service_full_name(), "WatchTraverse", Scope::kRead};
 constexpr int kMostEvents = 8;  // read at once; a revision of many poses is large
 
 }  // namespace
+
+const MethodTraits WatchStream::kTraits = {v1::TraverseService::service_full_name(), "WatchTraverse", Scope::kRead};
 
 WatchStream::WatchStream(const Environment& environment, grpc::CallbackServerContext& context,
                          const v1::WatchTraverseRequest& request)

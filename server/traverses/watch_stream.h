@@ -22,6 +22,8 @@ namespace curvereg::server {
 
 class WatchStream final : public ResponseStream<v1::WatchTraverseResponse> {
  public:
+  static const MethodTraits kTraits;
+
   // Everything in it outlives the call.
   struct Environment {
     CallEnvironment calls;
