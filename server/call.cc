@@ -102,8 +102,8 @@ grpc::Status Call::Finish(const absl::Status& end) {
   environment_.metrics->RpcHandled(traits_.service, traits_.method, code, duration);
   if (const auto delay = wire::RetryDelayOf(status); delay.has_value()) {
     context_.AddTrailingMetadata(kPushbackKey, absl::StrCat(delay->count()));
-    environment_.metrics->Rejected(info->reason());
   }
+  if (mapped.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED) environment_.metrics->Rejected(info->reason());
   if (environment_.logger != nullptr) {
     environment_.logger->Call({.service = traits_.service,
                                .method = traits_.method,

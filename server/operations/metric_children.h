@@ -23,6 +23,10 @@ inline const prometheus::Histogram::BucketBoundaries& SecondsBuckets() {
       0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0, 300.0};
   return buckets;
 }
+inline const prometheus::Histogram::BucketBoundaries& CountBuckets() {
+  static const prometheus::Histogram::BucketBoundaries buckets = {0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0};
+  return buckets;
+}
 inline const prometheus::Histogram::BucketBoundaries& MetersBuckets() {
   static const prometheus::Histogram::BucketBoundaries buckets = {0.005, 0.01, 0.02, 0.03, 0.05, 0.075,
                                                                   0.1,   0.15, 0.2,  0.5,  1.0};

@@ -62,8 +62,10 @@ struct Metrics::State {
     Counter& started;
     Counter& received;
     Counter& sent;
-    Histogram& handling;
-    LabelledChildren<Counter> handled;  // by code
+    prometheus::Gauge& open;
+    // By code; most codes never come.
+    LabelledChildren<Counter> handled;
+    LabelledChildren<Histogram> handling;
   };
   struct Reading {
     prometheus::MetricType type;
@@ -92,14 +94,20 @@ struct Metrics::State {
   }
 
   std::unique_ptr<Rpc> MakeRpc(const prometheus::Labels& labels) {
-    const auto make_handled = [this, labels](const std::string& code) -> Counter& {
-      prometheus::Labels with_code = labels;
-      with_code["grpc_code"] = code;
-      return handled.Add(with_code);
+    const auto with_code = [labels](const std::string& code) {
+      prometheus::Labels all = labels;
+      all["grpc_code"] = code;
+      return all;
     };
-    return std::unique_ptr<Rpc>(new Rpc{started.Add(labels), received.Add(labels), sent.Add(labels),
-                                        handling.Add(labels, SecondsBuckets()),
-                                        LabelledChildren<Counter>(make_handled)});
+    const auto make_handled = [this, with_code](const std::string& code) -> Counter& {
+      return handled.Add(with_code(code));
+    };
+    const auto make_handling = [this, with_code](const std::string& code) -> Histogram& {
+      return handling.Add(with_code(code), SecondsBuckets());
+    };
+    return std::unique_ptr<Rpc>(new Rpc{started.Add(labels), received.Add(labels), sent.Add(labels), open.Add(labels),
+                                        LabelledChildren<Counter>(make_handled),
+                                        LabelledChildren<Histogram>(make_handling)});
   }
 
   void SetReading(const std::string& name, Reading reading) {
@@ -113,9 +121,10 @@ struct Metrics::State {
   CounterFamily& received = Counters("grpc_server_msg_received_total", "Messages received");
   CounterFamily& sent = Counters("grpc_server_msg_sent_total", "Messages sent");
   HistogramFamily& handling =
-      Histograms("grpc_server_handling_seconds", "Time from the start of a call to its end [s]");
-  CounterFamily& rejected_family =
-      Counters("curvereg_rejected_total", "Calls refused for want of room, by reason; the caller may try again");
+      Histograms("grpc_server_handling_seconds", "Time from the start of a call to its end, by status code [s]");
+  prometheus::Family<prometheus::Gauge>& open =
+      prometheus::BuildGauge().Name("curvereg_open_calls").Help("Calls and streams under way").Register(registry);
+  CounterFamily& rejected_family = Counters("curvereg_rejected_total", "Calls refused for want of room, by reason");
   HistogramFamily& stage_family = Histograms("curvereg_stage_seconds", "Wall time of each stage of a registration [s]");
   CounterFamily& verdict_family =
       Counters("curvereg_verdict_total", "Registrations by verdict and, when rejected, its first reason");
@@ -124,6 +133,14 @@ struct Metrics::State {
                               .Add({}, SecondsBuckets());
   Histogram& registration =
       Histograms("curvereg_registration_seconds", "Wall time of a registration [s]").Add({}, SecondsBuckets());
+  Histogram& attempts = Histograms("curvereg_registration_attempts",
+                                   "Attempts of a registration, each with dearer settings than the one before")
+                            .Add({}, CountBuckets());
+  Histogram& hypotheses =
+      Histograms("curvereg_registration_hypotheses", "Poses that a registration tried").Add({}, CountBuckets());
+  Counter& registered_points =
+      Counters("curvereg_registration_points_total", "Finite points of the scans that were registered, of both")
+          .Add({});
   Histogram& residual =
       Histograms("curvereg_residual_meters", "Surface distance of registered scans, RMSE [m]").Add({}, MetersBuckets());
   Histogram& overlap = Histograms("curvereg_overlap_ratio",
@@ -180,14 +197,17 @@ Metrics::Metrics() : state_(std::make_unique<State>()) {
 Metrics::~Metrics() = default;
 
 void Metrics::RpcStarted(const std::string& service, const std::string& method) {
-  state_->Of(service, method).started.Increment();
+  State::Rpc& rpc = state_->Of(service, method);
+  rpc.started.Increment();
+  rpc.open.Increment();
 }
 
 void Metrics::RpcHandled(const std::string& service, const std::string& method, const std::string& code,
                          std::chrono::nanoseconds duration) {
   State::Rpc& rpc = state_->Of(service, method);
   rpc.handled.Get(code).Increment();
-  rpc.handling.Observe(Seconds(duration));
+  rpc.handling.Get(code).Observe(Seconds(duration));
+  rpc.open.Decrement();
 }
 
 void Metrics::MessageReceived(const std::string& service, const std::string& method) {
@@ -210,6 +230,9 @@ void Metrics::Registered(const RegistrationResult& result) {
   const Reason reason = reasons.empty() ? Reason::kNotRun : reasons.front();
   state_->verdicts.Get(is_rejected ? std::string(ReasonName(reason)) : std::string()).Increment();
   const Evidence& evidence = result.evidence;  // -1: not computed
+  state_->attempts.Observe(evidence.num_attempts);
+  state_->hypotheses.Observe(evidence.num_hypotheses);
+  state_->registered_points.Increment(static_cast<double>(evidence.num_source_points + evidence.num_target_points));
   if (evidence.residual_rmse_m >= 0.0) state_->residual.Observe(evidence.residual_rmse_m);
   const double overlap = std::min(evidence.overlap_source, evidence.overlap_target);
   if (overlap >= 0.0) state_->overlap.Observe(overlap);

@@ -28,9 +28,9 @@ class Metrics {
   void MessageReceived(const std::string& service, const std::string& method);  // of a stream or a unary call
   void MessageSent(const std::string& service, const std::string& method);
 
-  void Rejected(const std::string& reason);  // a refusal with RetryInfo, by ErrorReason
+  void Rejected(const std::string& reason);  // for want of room, by ErrorReason
   void QueueWaited(std::chrono::nanoseconds duration);
-  void Registered(const RegistrationResult& result);  // stage times, verdict by reason, residual, overlap
+  void Registered(const RegistrationResult& result);  // what it took, verdict by reason, residual, overlap
   void ScanReceived(uint64_t num_points);
   void UploadResumed();
   void UploadCompleted(uint64_t num_bytes);

@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -167,6 +168,12 @@ class RunningServer(unittest.TestCase):
             samples = re.findall(rf"(?m)^{name}(?:_bucket|_sum|_count)?(?:{{(.*?)}})? ", self.metrics)
             labels = {label for sample in samples for label in re.findall(r'(\w+)="', sample)} - {"le"}
             self.assertEqual(labels, set(filter(None, documented[name][2].split(", "))), name)
+
+    def test_promtool_finds_no_fault(self):
+        if shutil.which("promtool") is None:
+            self.skipTest("promtool (Debian: prometheus) is missing")
+        check = subprocess.run(["promtool", "check", "metrics"], input=self.metrics, capture_output=True, text=True)
+        self.assertEqual((check.returncode, check.stdout + check.stderr), (0, ""))
 
     def test_log(self):
         events = {line["event"] for line in self.lines}

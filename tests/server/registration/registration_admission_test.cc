@@ -109,6 +109,7 @@ TEST(RegistrationAdmissionTest, ScansBeyondTheLimitsAreTooLarge) {
       {.limits = {.max_scan_points = 1000, .max_concurrent_registrations = 1, .max_threads_per_registration = 1}});
   EXPECT_THAT(few_points.Register(InlineRequest(SourceScan(), TargetScan())),
               HasReason(v1::ERROR_REASON_SCAN_TOO_LARGE));
+  EXPECT_THAT(few_points.metrics.Text(), HasSubstr("curvereg_rejected_total{reason=\"SCAN_TOO_LARGE\"} 1"));
   RegistrationServer little_memory({.memory_bytes = uint64_t{30} << 20});
   EXPECT_THAT(little_memory.Register(InlineRequest(SourceScan(), TargetScan())),
               HasReason(v1::ERROR_REASON_SCAN_TOO_LARGE));

@@ -148,6 +148,8 @@ TEST(UploadLimits, RefusesMoreThanTheStoreTakes) {
   SendAll(*stub, {StartMessage("a", cloud), ChunkMessage(cloud, 0, 100)}).IgnoreError();
   const absl::Status second = Upload(*stub, "b", RandomCloud(10, 2)).status();
   EXPECT_EQ(ReasonText(second), "TOO_MANY_UPLOADS");
+  EXPECT_EQ(MetricValue(server, "curvereg_rejected_total", "\"STORAGE_FULL\""), 1);
+  EXPECT_EQ(MetricValue(server, "curvereg_rejected_total", "\"TOO_MANY_UPLOADS\""), 1);
   EXPECT_TRUE(wire::RetryDelayOf(second).has_value());
   EXPECT_THAT(Upload(*stub, "a", cloud), IsOk()) << "the one that is open goes on";
 }
