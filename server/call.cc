@@ -68,7 +68,8 @@ Call::Call(const CallEnvironment& environment, const MethodTraits& traits, grpc:
       context_(context),
       started_(std::chrono::steady_clock::now()),
       deadline_(DeadlineOf(context)),
-      request_id_(RequestIdOf(context)) {
+      request_id_(RequestIdOf(context)),
+      on_ending_(environment.ending, RequestStop{cancellation_}) {
   if (environment_.num_open != nullptr) ++*environment_.num_open;
   context_.AddInitialMetadata(kRequestIdKey, request_id_);
   environment_.metrics->RpcStarted(traits_.service, traits_.method);
@@ -90,11 +91,19 @@ void Call::CountReceived() { environment_.metrics->MessageReceived(traits_.servi
 
 void Call::CountSent() { environment_.metrics->MessageSent(traits_.service, traits_.method); }
 
+absl::Status Call::WhyEnded(const absl::Status& end) const {
+  if (!absl::IsCancelled(end)) return end;
+  if (stop().PastDeadline()) {
+    return wire::MakeError(v1::ERROR_REASON_DEADLINE_EXCEEDED, "the deadline of the call passed");
+  }
+  if (environment_.ending.stop_requested()) {
+    return wire::MakeError(v1::ERROR_REASON_NOT_SERVING, "the server stopped before the call was done");
+  }
+  return end;
+}
+
 grpc::Status Call::Finish(const absl::Status& end) {
-  const absl::Status status =
-      absl::IsCancelled(end) && stop().PastDeadline()
-          ? wire::MakeError(v1::ERROR_REASON_DEADLINE_EXCEEDED, "the deadline of the call passed")
-          : end;
+  const absl::Status status = WhyEnded(end);
   const grpc::Status mapped = wire::ToGrpcStatus(status, request_id_);
   const auto duration = std::chrono::steady_clock::now() - started_;
   const std::string code = absl::StatusCodeToString(static_cast<absl::StatusCode>(mapped.error_code()));

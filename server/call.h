@@ -29,6 +29,7 @@ struct CallEnvironment {
   Logger* logger = nullptr;              // null: no lines
   std::atomic<int>* num_open = nullptr;  // null: not counted
   std::stop_token draining;              // requested: new calls are refused, and idle streams end, with NOT_SERVING
+  std::stop_token ending;                // requested: calls that run are stopped, and end with NOT_SERVING
 };
 
 struct MethodTraits {
@@ -54,7 +55,7 @@ class Call {
   const std::string& client() const { return client_; }       // token name, TLS identity, else address and port
   const std::string& request_id() const { return request_id_; }
 
-  // From OnCancel. The deadline of the call is in the Stop as well.
+  // From OnCancel; the server's end does the same. The deadline of the call is in the Stop as well.
   void Cancel() { cancellation_.request_stop(); }
   Stop stop() const { return {cancellation_.get_token(), deadline_}; }
 
@@ -62,10 +63,18 @@ class Call {
   void CountSent();
 
   // Once, at the end: counts, logs, adds grpc-retry-pushback-ms to errors with a RetryInfo, maps the status. CANCELLED
-  // past the deadline becomes DEADLINE_EXCEEDED, for then gRPC cancels, too.
+  // past the deadline becomes DEADLINE_EXCEEDED, for then gRPC cancels, too; at the server's end NOT_SERVING.
   grpc::Status Finish(const absl::Status& end);
 
  private:
+  // With a share of its own in the source: a task that it drops may be the last thing that the call waited for.
+  struct RequestStop {
+    std::stop_source source;
+    void operator()() const { std::stop_source(source).request_stop(); }
+  };
+
+  absl::Status WhyEnded(const absl::Status& end) const;
+
   const CallEnvironment environment_;
   const MethodTraits traits_;
   grpc::CallbackServerContext& context_;
@@ -75,6 +84,7 @@ class Call {
   std::string client_;
   std::string request_id_;
   absl::Status admitted_;
+  const std::stop_callback<RequestStop> on_ending_;
 };
 
 }  // namespace curvereg::server

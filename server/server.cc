@@ -42,13 +42,13 @@ namespace {
 constexpr const char* kRegistrationServiceName = v1::RegistrationService::service_full_name();
 constexpr const char* kScanServiceName = v1::ScanService::service_full_name();
 constexpr const char* kTraverseServiceName = v1::TraverseService::service_full_name();
-constexpr int kDiskWorkers = 2;                                // one that writes, one that checks
-constexpr int kMaxDiskTasks = 1 << 20;                         // each open stream has at most one
-constexpr uint64_t kLeastQuotaBytes = uint64_t{256} << 20;     // of gRPC's own buffers
-constexpr std::chrono::minutes kExpiryInterval{10};            // between looks for abandoned uploads
-constexpr std::chrono::milliseconds kCancellationMargin{500};  // of the grace time, for cancelled calls to end
-constexpr std::chrono::milliseconds kDrainPoll{5};             // between looks whether calls are open
-constexpr std::chrono::milliseconds kGoodbye{100};             // for the last answers to leave
+constexpr int kDiskWorkers = 2;                             // one that writes, one that checks
+constexpr int kMaxDiskTasks = 1 << 20;                      // each open stream has at most one
+constexpr uint64_t kLeastQuotaBytes = uint64_t{256} << 20;  // of gRPC's own buffers
+constexpr std::chrono::minutes kExpiryInterval{10};         // between looks for abandoned uploads
+constexpr std::chrono::milliseconds kEndingMargin{500};     // of the grace time, for calls to end that are stopped
+constexpr std::chrono::milliseconds kDrainPoll{5};          // between looks whether calls are open
+constexpr std::chrono::milliseconds kGoodbye{100};          // for the last answers to leave
 
 class WholeServer final : public Server {
  public:
@@ -79,6 +79,7 @@ class WholeServer final : public Server {
   absl::Status Listen();
   void AddServices(grpc::ServerBuilder& builder);
   void ExpireUploads(const std::stop_token& stop);
+  void AwaitCalls(std::chrono::steady_clock::time_point until) const;
   CallEnvironment Calls();
   TraverseEnvironment ForTraverses();
 
@@ -96,6 +97,7 @@ class WholeServer final : public Server {
   std::unique_ptr<MapBuilder> maps_;
   std::atomic<int> num_open_calls_ = 0;
   std::stop_source draining_;
+  std::stop_source ending_;
   std::atomic<const char*> not_ready_ = "starting";  // empty: it is
   HealthService health_;
   std::unique_ptr<RegistrationService> registration_service_;
@@ -113,7 +115,8 @@ CallEnvironment WholeServer::Calls() {
           .metrics = &metrics_,
           .logger = logger_.get(),
           .num_open = &num_open_calls_,
-          .draining = draining_.get_token()};
+          .draining = draining_.get_token(),
+          .ending = ending_.get_token()};
 }
 
 TraverseEnvironment WholeServer::ForTraverses() {
@@ -285,6 +288,11 @@ void WholeServer::ExpireUploads(const std::stop_token& stop) {
   }
 }
 
+// Until none is open.
+void WholeServer::AwaitCalls(std::chrono::steady_clock::time_point until) const {
+  while (num_open_calls_ > 0 && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kDrainPoll);
+}
+
 void WholeServer::Shutdown(std::chrono::milliseconds grace) {
   std::call_once(shut_down_, [&] {
     const auto deadline = std::chrono::steady_clock::now() + grace;
@@ -293,11 +301,12 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
     std::this_thread::sleep_for(std::min(grace, std::chrono::milliseconds(config_.drain_delay_ms)));
     draining_.request_stop();
     health_.EndWatches();
-    while (num_open_calls_ > 0 && std::chrono::steady_clock::now() < deadline - kCancellationMargin) {
-      std::this_thread::sleep_for(kDrainPoll);
-    }
-    // Calls that are left are cancelled, which reaches the core's loops. gRPC would wait for idle connections as well,
-    // whose clients may take seconds to notice.
+    AwaitCalls(deadline - kEndingMargin);
+    // Reaches the core's loops. Each call ends with an error of ours, while there is still a connection for it.
+    ending_.request_stop();
+    AwaitCalls(deadline - kGoodbye);
+    // What is left, of clients that do not read, gRPC cancels. It would wait for idle connections as well, whose
+    // clients may take seconds to notice.
     if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
     if (traverses_ != nullptr) traverses_->Close();
     pool_.Shutdown(std::chrono::steady_clock::now());

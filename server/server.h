@@ -36,7 +36,7 @@ class Server {
   virtual std::shared_ptr<grpc::Channel> InProcessChannel() = 0;
 
   // Not ready at once; after drain_delay refuses new calls (NOT_SERVING); running calls finish until `grace` is over,
-  // then they are cancelled. Returns when all is done. Idempotent.
+  // then they end with NOT_SERVING. Returns when all is done. Idempotent.
   virtual void Shutdown(std::chrono::milliseconds grace) = 0;
 };
 

@@ -213,6 +213,21 @@ TEST(RegistrationAdmissionTest, ADrainingServerRefuses) {
   EXPECT_EQ(server.stub->ListMethods(&context, {}, &methods).error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
+TEST(RegistrationAdmissionTest, TheServersEndStopsCallsThatWaitAndCallsThatRun) {
+  RegistrationServer server;
+  const auto call = [&server](const Scan& source, const Scan& target) {
+    EXPECT_THAT(server.Register(InlineRequest(source, target)), HasReason(v1::ERROR_REASON_NOT_SERVING));
+  };
+  std::jthread running([&] { call(StrangeScan(), TargetScan()); });
+  ASSERT_TRUE(BecomesTrue([&] { return server.pool.Statistics().num_running == 1; }));
+  std::jthread waiting([&] { call(SourceScan(), TargetScan()); });
+  ASSERT_TRUE(BecomesTrue([&] { return server.pool.Statistics().num_waiting == 1; }));
+  server.ending.request_stop();
+  running.join();
+  waiting.join();
+  EXPECT_TRUE(BecomesTrue([&] { return server.memory.reserved_bytes() == 0; }));
+}
+
 TEST(RegistrationAdmissionTest, AStoppedPoolRefuses) {
   RegistrationServer server;
   server.pool.Shutdown(Clock::now());

@@ -51,6 +51,7 @@ class RegistrationServer {
     backend.calls.access = options.access != nullptr ? options.access : open_access_.get();
     backend.calls.metrics = &metrics;
     backend.calls.draining = draining.get_token();
+    backend.calls.ending = ending.get_token();
     backend.limits = options.limits;
     backend.pool = &pool;
     backend.memory = &memory;
@@ -107,6 +108,7 @@ class RegistrationServer {
 
   server::Metrics metrics;
   std::stop_source draining;
+  std::stop_source ending;
   server::MemoryBudget memory;
   server::PreparedScanCache cache;
   server::WorkerPool pool;

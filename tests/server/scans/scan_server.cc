@@ -54,6 +54,7 @@ void ScanServer::StartUp() {
   backend.calls.access = options_.access != nullptr ? options_.access : open_access_.get();
   backend.calls.metrics = &metrics_;
   backend.calls.draining = draining_.get_token();
+  backend.calls.ending = ending_.get_token();
   backend.limits = options_.limits;
   backend.disk_pool = disk_pool_.get();
   backend.memory = memory_.get();

@@ -43,6 +43,7 @@ class ScanServer {
   // Ends everything at once and opens the same folder again.
   void Restart();
   void Drain() { draining_.request_stop(); }
+  void EndCalls() { ending_.request_stop(); }
 
   grpc::Server& server() { return *server_; }
   server::ScanStore& store() { return *store_; }
@@ -62,6 +63,7 @@ class ScanServer {
   std::unique_ptr<server::Access> open_access_ = server::Access::Open();
   server::Metrics metrics_;
   std::stop_source draining_;
+  std::stop_source ending_;
   std::unique_ptr<server::MemoryBudget> memory_;
   std::unique_ptr<server::PreparedScanCache> cache_;
   std::unique_ptr<server::WorkerPool> disk_pool_;

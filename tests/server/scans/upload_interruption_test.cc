@@ -123,6 +123,26 @@ TEST(UploadInterruption, LetsGoOfIdleStreamsWhenTheServerDrains) {
   EXPECT_EQ(ReasonText(Upload(*stub, "b", cloud).status()), "NOT_SERVING");
 }
 
+TEST(UploadInterruption, EndsAtTheServersEndWhileItsTaskWaits) {
+  ScanServerOptions options;
+  options.disk_pool = {.num_workers = 1, .max_queue_length = 2, .max_queue_per_client = 2};
+  ScanServer server(options);
+  const auto stub = server.NewStub();
+  std::promise<void> release;
+  ASSERT_THAT(server.disk_pool().Submit({.client = "test",
+                                         .cancellation = {},
+                                         .run = [&](std::chrono::nanoseconds) { release.get_future().wait(); },
+                                         .drop = [](const absl::Status&) {}}),
+              IsOk());
+  ASSERT_TRUE(WaitUntil([&] { return server.disk_pool().Statistics().num_running == 1; }));
+  UploadClient upload(*stub);
+  upload.Send(StartMessage("a", RandomCloud(1000, 1)));
+  ASSERT_TRUE(WaitUntil([&] { return server.disk_pool().Statistics().num_waiting == 1; }));
+  server.EndCalls();
+  EXPECT_EQ(ReasonText(upload.End()), "NOT_SERVING");
+  release.set_value();
+}
+
 // Tasks that wait for the disk, held up by one that keeps the only worker.
 TEST(UploadInterruption, EndsWhileItsTaskWaits) {
   ScanServerOptions options;
