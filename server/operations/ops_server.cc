@@ -120,9 +120,9 @@ absl::StatusOr<std::unique_ptr<OpsServer>> OpsServer::Start(const std::string& l
   const std::array<const char*, 15> options = {"listening_ports",
                                                ports.c_str(),
                                                "num_threads",
-                                               "3",
+                                               "32",  // more than silent clients are likely to hold
                                                "request_timeout_ms",
-                                               "5000",  // a silent client holds a thread no longer
+                                               "2000",  // a silent client holds a thread no longer
                                                "max_request_size",
                                                "8192",
                                                "enable_keep_alive",
