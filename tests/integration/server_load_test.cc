@@ -38,14 +38,18 @@ namespace {
 using std::chrono::steady_clock;
 using testing::IsOk;
 
-// Of the capacity, and of the time without slow clients. A sanitizer slows some work more than other, so there no more
-// is held than the order of magnitude.
+// Of the capacity, of the time without slow clients, and of what is meant to be sent. A sanitizer slows some work more
+// than other, so there no more is held than the order of magnitude.
 #ifdef CURVEREG_SANITIZED
 constexpr double kLeastGoodput = 0.5;
 constexpr double kMostSlowdown = 2.0;
+constexpr double kLeastCalls = 0.5;
+constexpr double kLeastBytes = 0.4;
 #else
 constexpr double kLeastGoodput = 0.9;
 constexpr double kMostSlowdown = 1.2;
+constexpr double kLeastCalls = 0.9;
+constexpr double kLeastBytes = 0.8;
 #endif
 
 int FromEnvironment(const char* name, int otherwise) {
@@ -187,7 +191,7 @@ TEST(ServerLoadTest, TenTimesTheCapacityLeavesTheGoodputAndTheMemoryAlone) {
   EXPECT_EQ(unhurried.num_errors, 0) << "this is no overload";
   const double capacity = unhurried.num_answers / capacity_seconds;
 
-  int num_unhealthy = 0, num_checks = 0;
+  int num_sent = 0, num_unhealthy = 0, num_checks = 0;
   uint64_t most_memory = 0;
   double goodput = 0.0;
   {
@@ -195,10 +199,10 @@ TEST(ServerLoadTest, TenTimesTheCapacityLeavesTheGoodputAndTheMemoryAlone) {
     const auto health = grpc::health::v1::Health::NewStub(OwnChannel(loaded.server()));
     const auto start = steady_clock::now();
     const auto interval = std::chrono::duration<double>(1.0 / (10.0 * capacity));
-    for (int i = 0; SecondsSince(start) < seconds; ++i) {
-      std::this_thread::sleep_until(start + std::chrono::duration_cast<steady_clock::duration>(i * interval));
+    for (; SecondsSince(start) < seconds; ++num_sent) {
+      std::this_thread::sleep_until(start + std::chrono::duration_cast<steady_clock::duration>(num_sent * interval));
       flood.Send();
-      if (i % 50 != 0) continue;
+      if (num_sent % 50 != 0) continue;
       ++num_checks;
       if (!IsServing(*health)) ++num_unhealthy;
       most_memory = std::max(most_memory, loaded.server().ResidentBytes());
@@ -207,11 +211,12 @@ TEST(ServerLoadTest, TenTimesTheCapacityLeavesTheGoodputAndTheMemoryAlone) {
     EXPECT_EQ(flood.num_others, 0);
     EXPECT_EQ(flood.num_bare_refusals, 0) << "every refusal tells when to come back";
     EXPECT_GT(flood.num_refusals, flood.num_answers);
-    std::printf("capacity %.1f/s, goodput at ten times as much %.1f/s (%.2f), %d refused, memory %.0f -> %.0f MB\n",
-                capacity, goodput, goodput / capacity, flood.num_refusals.load(),
+    std::printf("capacity %.1f/s, goodput at %.1f times as much %.1f/s (%.2f), %d refused, memory %.0f -> %.0f MB\n",
+                capacity, num_sent / (capacity * seconds), goodput, goodput / capacity, flood.num_refusals.load(),
                 static_cast<double>(memory_before) * 1e-6, static_cast<double>(most_memory) * 1e-6);
   }
   EXPECT_EQ(num_unhealthy, 0) << "of " << num_checks;
+  EXPECT_GE(num_sent, kLeastCalls * 10.0 * capacity * seconds) << "this is no overload of ten times the capacity";
   EXPECT_GE(goodput, kLeastGoodput * capacity);
   EXPECT_LE(most_memory, memory_before + kMostGrowth);
   EXPECT_GT(CountAnswers(loaded, 2, 1.0).num_answers, 0) << "it goes on afterwards";
@@ -248,6 +253,7 @@ class SlowClient {
              response.progress().committed_offset() == offset_;
   }
   bool alive() const { return alive_; }
+  uint64_t sent_bytes() const { return offset_; }
   static constexpr std::size_t kPieceBytes = 10'000;
 
  private:
@@ -302,17 +308,23 @@ TEST(ServerLoadTest, TwoHundredSlowClientsDoNotSlowAFastOne) {
       slow[static_cast<std::size_t>(i % kSlowClients)].SendPiece();
     }
   });
+  const auto start = steady_clock::now();
   const FastTimes beside = MeasureFastClient(loaded, 3);
+  const double seconds = SecondsSince(start);
   sender.request_stop();
   sender.join();
   const FastTimes alone_again = MeasureFastClient(loaded, 4);
   alone.registration = std::max(alone.registration, alone_again.registration);
   alone.upload = std::max(alone.upload, alone_again.upload);
-  std::printf("registration %.1f ms alone, %.1f ms beside %d slow clients; upload %.1f ms, %.1f ms\n",
-              1e3 * alone.registration, 1e3 * beside.registration, kSlowClients, 1e3 * alone.upload,
-              1e3 * beside.upload);
+  uint64_t sent_bytes = 0;
+  for (const SlowClient& client : slow) sent_bytes += client.sent_bytes();
+  const double bytes_per_second = static_cast<double>(sent_bytes) / (seconds * kSlowClients);
+  std::printf("registration %.1f ms alone, %.1f ms beside %d slow clients of %.1f kB/s; upload %.1f ms, %.1f ms\n",
+              1e3 * alone.registration, 1e3 * beside.registration, kSlowClients, 1e-3 * bytes_per_second,
+              1e3 * alone.upload, 1e3 * beside.upload);
   EXPECT_LE(beside.registration, kMostSlowdown * alone.registration);
   EXPECT_LE(beside.upload, kMostSlowdown * alone.upload);
+  EXPECT_GE(bytes_per_second, kLeastBytes * SlowClient::kPieceBytes) << "slow acknowledgements held the load back";
   for (const SlowClient& client : slow) EXPECT_TRUE(client.alive());
 }
 
