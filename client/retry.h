@@ -33,7 +33,7 @@ bool IsRetryable(const absl::Status& error);
 // UNKNOWN without a reason of ours. For transfers, which go on from what is known to be right.
 bool IsResumable(const absl::Status& error);
 
-// NOT_SERVING: nothing was done, and another server or this one will take it.
+// NOT_SERVING: the call was not done; another server, or this one after its restart, takes it.
 bool IsRefusal(const absl::Status& error);
 
 // Delays between attempts.
