@@ -115,6 +115,17 @@ TEST_F(TraverseCliTest, StreamFollowsAFolderThatGrows) {
   EXPECT_EQ(Asking("traverse delete traverses/followed --json").out, "{\"deleted\":\"traverses/followed\"}\n");
 }
 
+TEST_F(TraverseCliTest, InterruptingAWatchedFolderStillOptimises) {
+  const Finished ended =
+      Alone("stream --follow yard --traverse watched --optimize --json --server " + server_->target(),
+            "timeout --preserve-status -s INT 5");
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  const std::vector<json> lines = Lines(ended.out);
+  ASSERT_FALSE(lines.empty());
+  EXPECT_TRUE(lines.back()["summary"].contains("optimization")) << ended.out;
+  EXPECT_EQ(Asking("traverse delete watched").status, 0);
+}
+
 TEST_F(TraverseCliTest, WatchShowsWhatHappened) {
   const Finished table = Asking("watch drive --once");
   EXPECT_EQ(table.status, 0) << table.err;
