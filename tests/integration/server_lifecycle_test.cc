@@ -117,7 +117,6 @@ TEST_F(ServerLifecycleTest, AClientWithRetriesSeesNoFailureDuringRestarts) {
   ServerProcess& server = Start({"--drain-delay-ms", "50"});
   const testing::ScanPairWithTruth pair = testing::PairOf("sparse", 1, 0);
   ClientOptions options;
-  options.retry.max_attempts = 50;
   options.retry.max_backoff = std::chrono::milliseconds(500);
   const auto client = Client::Connect(server.target(), options);
   ASSERT_THAT(client, IsOk());
