@@ -96,7 +96,7 @@ ScanStreamSession::Answer ScanStreamSession::Announce(v1::StreamedScanHeader& he
   if (const absl::Status status = environment_.traverses->CheckScan(*ticket_, header, &known); !status.ok()) {
     return status;
   }
-  scan_.emplace().header = std::move(header);
+  scan_ = StreamedScan{.header = std::move(header)};  // clang 14 takes no emplace()
   // The store knows payloads by XXH3_128 alone; with another digest the transfer tells which scan it is.
   const v1::Digest& digest = scan_->header.payload_digest();
   if (known && digest.algorithm() == v1::DIGEST_ALGORITHM_XXH3_128) {
