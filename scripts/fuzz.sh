@@ -14,6 +14,8 @@ if [ ${#fuzzers[@]} -eq 0 ]; then
   echo "fuzz.sh: no *_fuzzer in $build; run 'make fuzz'" >&2
   exit 1
 fi
+# Services under test force their changes to disk: in memory that is quick.
+[ ! -w /dev/shm ] || export TMPDIR=${TMPDIR:-/dev/shm}
 for fuzzer in "${fuzzers[@]}"; do
   name=$(basename "$fuzzer")
   work=out/fuzz/$name

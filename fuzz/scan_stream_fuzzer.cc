@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as any message of TraverseService, as requests_fuzzer.cc does for the other services. A stream of scans is
-// a row of messages, each after its length in two bytes.
+// Any bytes as a stream of scans: a row of messages, each after its length in two bytes. The first byte says whether
+// what must fit together is mended.
 #include <cstdint>
 #include <optional>
 #include <stop_token>
@@ -17,10 +17,8 @@
 #include "server/scans/upload_session.h"
 #include "server/scheduling/memory_budget.h"
 #include "server/traverses/scan_stream_session.h"
-#include "server/traverses/traverse_conversion.h"
 #include "tests/server/traverses/fake_traverses.h"
 #include "wire/digest.h"
-#include "wire/trajectory_conversion.h"
 
 namespace curvereg::server {
 namespace {
@@ -53,7 +51,7 @@ void CheckScanStream(std::string_view bytes, bool mended) {
     if (!requests.emplace_back().ParseFromString(*text)) return;
   }
   if (mended) Mend(requests);
-  static Metrics metrics;
+  static Metrics metrics;  // dear to make
   MemoryScanStore store;
   MemoryBudget memory(uint64_t{64} << 20);
   UploadOwners owners;
@@ -69,29 +67,11 @@ void CheckScanStream(std::string_view bytes, bool mended) {
   Require(memory.reserved_bytes() == 0);
 }
 
-void CheckSettings(const v1::TraverseSettings& settings) { CheckError(FromWire(settings, 8).status()); }
-
-void CheckMessage(uint8_t kind, std::string_view bytes) {
-  switch (kind % 4) {
-    case 0:
-      return CheckScanStream(bytes, false);
-    case 1:
-      return CheckScanStream(bytes, true);
-    case 2:
-      return Decode<v1::CreateTraverseRequest>(bytes, [](const auto& request) {
-        CheckSettings(request.settings());
-        CheckError(TraverseIdOf(request.traverse_id(), "traverse_id").status());
-      });
-    default:
-      return Decode<v1::TrajectoryPose>(bytes, [](const auto& pose) { CheckError(wire::FromWire(pose).status()); });
-  }
-}
-
 }  // namespace
 }  // namespace curvereg::server
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  curvereg::server::CheckMessage(data[0], {reinterpret_cast<const char*>(data) + 1, size - 1});
+  curvereg::server::CheckScanStream({reinterpret_cast<const char*>(data) + 1, size - 1}, data[0] % 2 == 1);
   return 0;
 }
