@@ -9,7 +9,10 @@
 set -euo pipefail
 build=$1
 seconds=$2
-mapfile -t fuzzers < <(find "$build" -type f -executable -name '*_fuzzer' | sort)
+# An earlier build may have left targets that are no more.
+mapfile -t fuzzers < <(find "$build" -type f -executable -name '*_fuzzer' | sort | while read -r fuzzer; do
+  [ ! -d "fuzz/seeds/$(basename "$fuzzer")" ] || echo "$fuzzer"
+done)
 if [ ${#fuzzers[@]} -eq 0 ]; then
   echo "fuzz.sh: no *_fuzzer in $build; run 'make fuzz'" >&2
   exit 1
