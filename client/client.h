@@ -130,6 +130,7 @@ struct ServerStatus {
   std::string build_id;
   std::vector<RemoteMethod> methods;
   std::vector<std::pair<std::string, uint64_t>> limits;  // name as in ServerLimits, value
+  std::vector<std::pair<std::string, uint64_t>> load;    // name as in ServerLoad, value
   std::chrono::microseconds round_trip{0};               // median of a few health checks
 };
 

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/server_status.h"
 
+#include <google/protobuf/message.h>
+
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -58,19 +61,26 @@ absl::Status CheckHealth(Connection& connection, const Stop& until, ServerStatus
   return absl::OkStatus();
 }
 
+// Names and values of a message of unsigned integers.
+std::vector<std::pair<std::string, uint64_t>> NumbersOf(const google::protobuf::Message& message) {
+  const google::protobuf::Descriptor& type = *message.GetDescriptor();
+  const google::protobuf::Reflection& values = *message.GetReflection();
+  std::vector<std::pair<std::string, uint64_t>> numbers;
+  for (int i = 0; i < type.field_count(); ++i) {
+    const google::protobuf::FieldDescriptor* field = type.field(i);
+    const bool is_short = field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_UINT32;
+    numbers.emplace_back(field->name(), is_short ? values.GetUInt32(message, field) : values.GetUInt64(message, field));
+  }
+  return numbers;
+}
+
 void Take(const v1::ListMethodsResponse& response, ServerStatus& result) {
   result.build_id = response.build_id();
   for (const v1::MethodInfo& method : response.methods()) {
     result.methods.push_back({method.name(), method.description(), method.available()});
   }
-  const v1::ServerLimits& limits = response.limits();
-  result.limits = {{"max_message_bytes", limits.max_message_bytes()},
-                   {"max_scan_points", limits.max_scan_points()},
-                   {"max_scan_bytes", limits.max_scan_bytes()},
-                   {"max_chunk_bytes", limits.max_chunk_bytes()},
-                   {"max_threads", limits.max_threads()},
-                   {"max_concurrent_registrations", limits.max_concurrent_registrations()},
-                   {"max_queue_length", limits.max_queue_length()}};
+  result.limits = NumbersOf(response.limits());
+  result.load = NumbersOf(response.load());
 }
 
 }  // namespace

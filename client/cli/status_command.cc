@@ -42,6 +42,7 @@ std::string StatusText(const std::string& server, const ServerStatus& status) {
     absl::StrAppendFormat(&text, "method       %-15s %s%s\n", method.name,
                           method.available ? "" : "(left out of this build) ", method.description);
   }
+  for (const auto& [name, value] : status.load) absl::StrAppendFormat(&text, "load         %-30s %d\n", name, value);
   for (const auto& [name, value] : status.limits) absl::StrAppendFormat(&text, "limit        %-30s %d\n", name, value);
   return text;
 }
@@ -53,12 +54,14 @@ std::string StatusJson(const std::string& server, const ServerStatus& status) {
                                  {"round_trip_ms", static_cast<double>(status.round_trip.count()) * 1e-3},
                                  {"services", nlohmann::ordered_json::object()},
                                  {"methods", nlohmann::ordered_json::array()},
+                                 {"load", nlohmann::ordered_json::object()},
                                  {"limits", nlohmann::ordered_json::object()}};
   for (const auto& [service, serving] : status.services) json["services"][service] = serving;
   for (const RemoteMethod& method : status.methods) {
     json["methods"].push_back(
         {{"name", method.name}, {"description", method.description}, {"available", method.available}});
   }
+  for (const auto& [name, value] : status.load) json["load"][name] = value;
   for (const auto& [name, value] : status.limits) json["limits"][name] = value;
   return JsonText(json) + "\n";
 }
@@ -78,7 +81,8 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddStatusCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("status", "Tell whether a server serves, what it can do, and its limits");
+  CLI::App* command =
+      app.add_subcommand("status", "Tell whether a server serves, what it can do, its load and its limits");
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
   AddServerOptions(*command, arguments->server);
   command->footer(kNotes);

@@ -84,6 +84,15 @@ v1::ListMethodsResponse DescribeMethods(const LimitsConfig& limits) {
   wire_limits.set_max_threads(static_cast<uint32_t>(limits.max_threads_per_registration));
   wire_limits.set_max_concurrent_registrations(static_cast<uint32_t>(limits.max_concurrent_registrations));
   wire_limits.set_max_queue_length(static_cast<uint32_t>(limits.max_queue_length));
+  wire_limits.set_max_queue_per_client(static_cast<uint32_t>(limits.max_queue_per_client));
+  wire_limits.set_memory_bytes(limits.memory_bytes);
+  wire_limits.set_cache_bytes(limits.cache_bytes);
+  wire_limits.set_max_streams_per_connection(static_cast<uint32_t>(limits.max_streams_per_connection));
+  wire_limits.set_max_stored_bytes(limits.max_stored_bytes);
+  wire_limits.set_max_uploads(static_cast<uint32_t>(limits.max_uploads));
+  wire_limits.set_upload_lifetime_seconds(static_cast<uint64_t>(limits.upload_lifetime_seconds));
+  wire_limits.set_max_traverses(static_cast<uint32_t>(limits.max_traverses));
+  wire_limits.set_max_scans_per_traverse(static_cast<uint32_t>(limits.max_scans_per_traverse));
   response.set_build_id(BuildId());
   return response;
 }

@@ -11,6 +11,22 @@ namespace {
 
 constexpr MethodTraits kListMethods = {v1::RegistrationService::service_full_name(), "ListMethods", Scope::kRead};
 
+// From counts that are kept; asks no disk.
+v1::ServerLoad LoadOf(const RegistrationBackend& backend) {
+  v1::ServerLoad load;
+  const WorkerPoolStatistics pool = backend.pool->Statistics();
+  load.set_registrations_running(static_cast<uint32_t>(pool.num_running));
+  load.set_registrations_waiting(static_cast<uint32_t>(pool.num_waiting));
+  load.set_memory_reserved_bytes(backend.memory->reserved_bytes());
+  load.set_cache_bytes(backend.cache->GetStatistics().bytes);
+  if (backend.store == nullptr) return load;
+  const StoreStatistics store = backend.store->Statistics();
+  load.set_stored_bytes(store.stored_bytes);
+  load.set_scans(store.num_scans);
+  load.set_uploads(store.num_uploads);
+  return load;
+}
+
 }  // namespace
 
 RegistrationService::RegistrationService(const RegistrationBackend& backend) : backend_(backend) {
@@ -32,6 +48,7 @@ grpc::ServerUnaryReactor* RegistrationService::ListMethods(grpc::CallbackServerC
   call.CountReceived();
   if (call.admitted().ok()) {
     *response = DescribeMethods(backend_.limits);
+    *response->mutable_load() = LoadOf(backend_);
     call.CountSent();
   }
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();

@@ -48,6 +48,8 @@ Script HealthyScript() {
     method.set_description("does it");
     method.set_available(true);
     response.mutable_limits()->set_max_scan_points(77);
+    response.mutable_load()->set_registrations_waiting(3);
+    response.mutable_load()->set_stored_bytes(uint64_t{1} << 40);
     return grpc::Status::OK;
   };
   script.get_scan = [](auto&, const auto& request, auto& response) {
@@ -233,7 +235,7 @@ TEST(ConnectionTest, AServerShortOfMemoryIsAskedAgain) {
   EXPECT_TRUE(pictures.ok()) << pictures.status();
 }
 
-TEST(StatusTest, ReadsHealthMethodsAndLimits) {
+TEST(StatusTest, ReadsHealthMethodsLimitsAndLoad) {
   const ScriptedServer server(HealthyScript());
   const auto status = ConnectTo(server.target())->Status();
   ASSERT_TRUE(status.ok()) << status.status();
@@ -245,6 +247,8 @@ TEST(StatusTest, ReadsHealthMethodsAndLimits) {
   EXPECT_EQ(status->methods[0].name, "curvelet");
   EXPECT_TRUE(status->methods[0].available);
   EXPECT_THAT(status->limits, ::testing::Contains(std::pair<std::string, uint64_t>("max_scan_points", 77)));
+  EXPECT_THAT(status->load, ::testing::Contains(std::pair<std::string, uint64_t>("registrations_waiting", 3)));
+  EXPECT_THAT(status->load, ::testing::Contains(std::pair<std::string, uint64_t>("stored_bytes", uint64_t{1} << 40)));
   EXPECT_GT(status->round_trip.count(), 0);
 }
 

@@ -43,7 +43,10 @@ TEST_F(CliServerTest, RegisterGivesTheSameAnswerAsAlone) {
 TEST_F(CliServerTest, TheServerMayBeNamedInTheEnvironment) {
   const Finished finished = Alone("status --json", "CURVEREG_SERVER=" + server_->target());
   EXPECT_EQ(finished.status, 0) << finished.err;
-  EXPECT_EQ(json::parse(finished.out)["serving"], true);
+  const json status = json::parse(finished.out);
+  EXPECT_EQ(status["serving"], true);
+  EXPECT_EQ(status["load"]["registrations_waiting"], 0);
+  EXPECT_GT(status["limits"]["max_uploads"], 0);
 }
 
 TEST_F(CliServerTest, StatusWorksWithoutAServer) {

@@ -87,6 +87,27 @@ TEST(RegistrationAdmissionTest, OneClientGetsItsShareOnly) {
   busy.LetGo();
 }
 
+TEST(RegistrationAdmissionTest, ListMethodsTellsTheLoad) {
+  RegistrationServer server;
+  server.Store(CloudOf(SourceScan()));
+  const auto load = [&] {
+    grpc::ClientContext context;
+    v1::ListMethodsResponse response;
+    EXPECT_TRUE(server.stub->ListMethods(&context, {}, &response).ok());
+    return response.load();
+  };
+  EXPECT_EQ(load().registrations_running(), 0U);
+  EXPECT_EQ(load().registrations_waiting(), 0U);
+  EXPECT_EQ(load().scans(), 1U);
+  EXPECT_GE(load().stored_bytes(), SourceScan().points.size() * 12);
+  BusyWorker busy(server.pool);
+  std::jthread waiting([&] { EXPECT_THAT(server.Register(InlineRequest(SourceScan(), TargetScan())), IsOk()); });
+  ASSERT_TRUE(BecomesTrue([&] { return load().registrations_waiting() == 1; }));
+  EXPECT_EQ(load().registrations_running(), 1U);
+  EXPECT_GT(load().memory_reserved_bytes(), 0U);
+  busy.LetGo();
+}
+
 TEST(RegistrationAdmissionTest, MemoryIsReservedBeforeTheQueueAndLittleForPreparedScans) {
   RegistrationServer server({.memory_bytes = uint64_t{400} << 20});
   v1::RegisterScansRequest stored;

@@ -250,6 +250,8 @@ TEST(ListMethodsTest, TellsMethodsOptionsAndLimits) {
   EXPECT_EQ(response.limits().max_scan_points(), LimitsConfig().max_scan_points);
   EXPECT_EQ(response.limits().max_threads(), 2U);
   EXPECT_EQ(response.limits().max_concurrent_registrations(), 1U);
+  EXPECT_EQ(response.limits().max_stored_bytes(), LimitsConfig().max_stored_bytes);
+  EXPECT_EQ(response.limits().max_scans_per_traverse(), static_cast<uint32_t>(LimitsConfig().max_scans_per_traverse));
   EXPECT_EQ(response.build_id(), BuildId());
 }
 
