@@ -3,8 +3,6 @@
 //
 // Any bytes as the request of a call with one request, sent to the services of scans and traverses as gRPC runs them.
 // The first byte picks the method, the rest is what comes on the wire.
-#include <grpcpp/generic/generic_stub.h>
-
 #include <array>
 #include <chrono>
 #include <string>
@@ -15,6 +13,7 @@
 #include "fuzz/called_services.h"
 #include "fuzz/request_checks.h"
 #include "server/store/page_token.h"
+#include "tests/testing/generic_call.h"
 
 namespace curvereg::server {
 namespace {
@@ -35,31 +34,7 @@ constexpr std::array kMethods = {
     "/curvereg.v1.TraverseService/DeleteTraverse",
 };
 
-// How the call ends. All of its answers are read.
-grpc::Status Send(grpc::GenericStub& stub, const std::string& method, const std::string& bytes) {
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(8));
-  grpc::CompletionQueue queue;
-  const auto next = [&queue] {
-    void* tag = nullptr;
-    bool ok = false;
-    return queue.Next(&tag, &ok) && ok;
-  };
-  const auto call = stub.PrepareCall(&context, method, &queue);
-  call->StartCall(nullptr);
-  next();
-  const grpc::Slice slice(bytes);
-  call->WriteLast(grpc::ByteBuffer(&slice, 1), grpc::WriteOptions(), nullptr);
-  next();
-  grpc::ByteBuffer answer;
-  do {
-    call->Read(&answer, nullptr);
-  } while (next());
-  grpc::Status status;
-  call->Finish(&status, nullptr);
-  next();
-  return status;
-}
+constexpr std::chrono::seconds kPatience(8);
 
 void CheckPageToken(std::string_view bytes) {
   Decode<v1::ListScansRequest>(bytes, [](const auto& request) {
@@ -78,7 +53,7 @@ void CheckCall(uint8_t kind, std::string_view bytes) {
     existing_only.set_existing_only(true);
     request += existing_only.SerializeAsString();
   }
-  const absl::Status end = wire::FromGrpcStatus(Send(services.stub(), method, request));
+  const absl::Status end = wire::FromGrpcStatus(testing::Send(services.stub(), method, request, kPatience));
   CheckError(end);
   Require(wire::ReasonOf(end) != v1::ERROR_REASON_STORAGE_FAULT);
   if (end.ok()) services.Restore();

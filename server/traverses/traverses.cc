@@ -82,7 +82,7 @@ class TraversesImpl final : public Traverses {
 TraversesImpl::TraversesImpl(const TraverseEnvironment& environment, std::unique_ptr<TraverseStore> store)
     : environment_(environment),
       store_(std::move(store)),
-      engine_environment_{.work = {.scans = {.calls = {.metrics = environment.metrics, .draining = {}},
+      engine_environment_{.work = {.scans = {.calls = {.metrics = environment.metrics, .draining = {}, .ending = {}},
                                              .limits = environment.limits,
                                              .memory = environment.memory,
                                              .cache = environment.cache,

@@ -11,7 +11,6 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/create_channel.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
 #include "curvereg/v1/registration_service.pb.h"
@@ -19,6 +18,7 @@
 #include "curvereg/v1/traverse_service.pb.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "tests/testing/generic_call.h"
 #include "tests/testing/server_process.h"
 #include "tests/testing/test_data.h"
 
@@ -26,6 +26,8 @@ namespace curvereg {
 namespace {
 
 using ::testing::HasSubstr;
+
+constexpr std::chrono::seconds kPatience(30);
 
 // "/curvereg.v1.ScanService/GetScan" and so on.
 std::vector<std::string> AllMethods() {
@@ -38,32 +40,6 @@ std::vector<std::string> AllMethods() {
     }
   }
   return methods;
-}
-
-// How a call, of whatever kind, ends that sends these bytes and nothing else.
-grpc::Status Send(grpc::GenericStub& stub, const std::string& method, const std::string& bytes) {
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
-  grpc::CompletionQueue queue;
-  const auto next = [&queue] {
-    void* tag = nullptr;
-    bool ok = false;
-    return queue.Next(&tag, &ok) && ok;
-  };
-  const auto call = stub.PrepareCall(&context, method, &queue);
-  call->StartCall(nullptr);
-  next();
-  const grpc::Slice slice(bytes);
-  call->WriteLast(grpc::ByteBuffer(&slice, 1), grpc::WriteOptions(), nullptr);
-  next();
-  grpc::ByteBuffer answer;
-  do {
-    call->Read(&answer, nullptr);
-  } while (next());
-  grpc::Status status;
-  call->Finish(&status, nullptr);
-  next();
-  return status;
 }
 
 std::vector<google::rpc::ErrorInfo> ErrorInfosOf(const grpc::Status& status) {
@@ -80,7 +56,7 @@ class UnreadableRequestsTest : public ::testing::Test {
  protected:
   void ExpectRefused(const std::string& method, const std::string& bytes, const std::string& reason) {
     SCOPED_TRACE(method);
-    const grpc::Status status = Send(stub_, method, bytes);
+    const grpc::Status status = testing::Send(stub_, method, bytes, kPatience);
     const std::vector<google::rpc::ErrorInfo> infos = ErrorInfosOf(status);
     ASSERT_EQ(infos.size(), 1U) << status.error_code() << ": " << status.error_message();
     EXPECT_EQ(infos.front().reason(), reason);
@@ -117,7 +93,7 @@ TEST_F(UnreadableRequestsTest, NamesMustBeUtf8) {
 
 TEST_F(UnreadableRequestsTest, TheServerGoesOn) {
   ExpectRefused("/curvereg.v1.ScanService/GetScan", "\xff", "UNEXPECTED_MESSAGE");
-  EXPECT_TRUE(Send(stub_, "/curvereg.v1.ScanService/ListScans", "").ok());
+  EXPECT_TRUE(testing::Send(stub_, "/curvereg.v1.ScanService/ListScans", "", kPatience).ok());
 }
 
 }  // namespace

@@ -6,10 +6,13 @@
 #define CURVEREG_TESTS_SERVER_STORE_STORE_TESTING_H_
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <random>
 #include <string>
@@ -38,6 +41,23 @@ inline std::string RandomBytes(std::size_t size, uint64_t seed) {
     for (std::size_t j = i; j < std::min(i + 8, size); ++j) bytes[j] = static_cast<char>(number >> (8 * (j - i)));
   }
   return bytes;
+}
+
+inline void WriteFile(const std::string& path, const std::string& bytes) {
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+inline std::string ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+inline void RunSql(const std::string& path, const std::string& sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
+  sqlite3_close(database);
 }
 
 inline v1::PointCloudHeader HeaderOf(const std::string& frame_id) {
