@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any bytes as a cloud from the wire.
-#include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,12 +87,6 @@ void CheckCloud(const v1::PointCloud& cloud) {
 
 }  // namespace
 }  // namespace curvereg::wire
-
-// protobuf says on standard error what it cannot parse: most of what comes here.
-extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/) {
-  google::protobuf::SetLogHandler(nullptr);
-  return 0;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   curvereg::v1::PointCloud cloud;
