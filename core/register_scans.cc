@@ -16,6 +16,7 @@
 #include "core/register_curvelet.h"
 #include "core/register_icp.h"
 #include "core/register_paper.h"
+#include "core/simd.h"
 
 namespace curvereg {
 namespace {
@@ -55,7 +56,9 @@ std::string OptionsDigest(const RegistrationOptions& options) {
   if (options.time_budget_s.has_value()) absl::StrAppendFormat(&text, ";budget=%.17g", *options.time_budget_s);
   absl::StrAppendFormat(&text, ";limits=%d,%d,%.17g", options.limits.min_points, options.limits.max_points,
                         options.limits.max_coordinate_m);
-  return absl::StrFormat("%016x", XXH3_64bits(text.data(), text.size()));
+  const uint64_t hash = XXH3_64bits(text.data(), text.size());
+  ClearUpperVectorHalves();
+  return absl::StrFormat("%016x", hash);
 }
 
 bool IsPrepared(Method method) { return method == Method::kCurvelet || method == Method::kIcp; }

@@ -154,7 +154,9 @@ int64_t CountFinitePoints(const Scan& scan) { return CountFinite(PackedPoints(sc
 
 std::string ScanDigest(const Scan& scan) {
   const std::string_view points = PackedPoints(scan);
-  return ScanDigestOfHash(XXH3_64bits(points.data(), points.size()), scan.gravity);
+  const uint64_t hash = XXH3_64bits(points.data(), points.size());
+  ClearUpperVectorHalves();
+  return ScanDigestOfHash(hash, scan.gravity);
 }
 
 std::string ScanDigestOfHash(uint64_t points_hash, const std::optional<Eigen::Vector3d>& gravity) {

@@ -18,6 +18,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "core/simd.h"
 #include "wire/error.h"
 
 namespace curvereg::wire {
@@ -73,6 +74,7 @@ uint32_t ExtendCrc32c(uint32_t crc, std::string_view bytes) {
     crc = crc32_iscsi(data, static_cast<int>(size), crc);
     bytes.remove_prefix(size);
   }
+  ClearUpperVectorHalves();
   return ~crc;
 }
 
@@ -110,6 +112,7 @@ void Digester::Update(std::string_view bytes) {
   // Both calls fail for null arguments only.
   if (state_->xxh3 != nullptr) {
     XXH3_128bits_update(state_->xxh3.get(), bytes.data(), bytes.size());
+    ClearUpperVectorHalves();
   } else {
     EVP_DigestUpdate(state_->sha256.get(), bytes.data(), bytes.size());
   }
@@ -120,6 +123,7 @@ v1::Digest Digester::Digest() const {
   if (state_->xxh3 != nullptr) {
     digest.set_algorithm(v1::DIGEST_ALGORITHM_XXH3_128);
     digest.set_value(CanonicalBytes(XXH3_128bits_digest(state_->xxh3.get())));
+    ClearUpperVectorHalves();
   } else {
     digest.set_algorithm(v1::DIGEST_ALGORITHM_SHA256);
     digest.set_value(FinishSha256(state_->sha256.get()));
@@ -133,6 +137,7 @@ v1::Digest DigestOf(v1::DigestAlgorithm algorithm, std::string_view bytes) {
   digest.set_algorithm(algorithm);
   if (algorithm == v1::DIGEST_ALGORITHM_XXH3_128) {
     digest.set_value(CanonicalBytes(XXH3_128bits(bytes.data(), bytes.size())));
+    ClearUpperVectorHalves();
   } else {
     unsigned char value[EVP_MAX_MD_SIZE];
     unsigned int size = 0;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tests/testing/vector_state.h"
+
 namespace curvereg {
 namespace {
 
@@ -81,6 +83,12 @@ TEST(ScanTest, DigestChangesWithPointsAndGravity) {
   scan.gravity.reset();
   scan.points[7].z() += 1e-6F;
   EXPECT_NE(ScanDigest(scan), digest);
+}
+
+TEST(ScanTest, DigestLeavesTheUpperVectorHalvesUnused) {
+  if (!testing::UpperVectorHalvesInUse().has_value()) GTEST_SKIP() << "the processor does not tell";
+  static_cast<void>(ScanDigest(Grid(100)));
+  EXPECT_FALSE(*testing::UpperVectorHalvesInUse());
 }
 
 TEST(ScanTest, TransformMovesPointsAndTurnsGravity) {

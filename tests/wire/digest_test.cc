@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/testing/matchers.h"
+#include "tests/testing/vector_state.h"
 #include "wire/error.h"
 
 namespace curvereg::wire {
@@ -141,6 +142,21 @@ TEST(DigestTest, HoldsXxh3Of64Bits) {
     }
   }
   EXPECT_FALSE(Xxh3Of64Bits(DigestOf(v1::DIGEST_ALGORITHM_SHA256, bytes), bytes.size()).has_value());
+}
+
+// Left in use they slow down whatever comes after on the thread, a registration for example by a fifth.
+TEST(DigestTest, LeavesTheUpperVectorHalvesUnused) {
+  if (!curvereg::testing::UpperVectorHalvesInUse().has_value()) GTEST_SKIP() << "the processor does not tell";
+  const std::string bytes = SomeBytes(1 << 20);
+  Digester digester = Digester::Create(kXxh3).value();
+  digester.Update(bytes);
+  EXPECT_FALSE(*curvereg::testing::UpperVectorHalvesInUse());
+  static_cast<void>(digester.Digest());
+  EXPECT_FALSE(*curvereg::testing::UpperVectorHalvesInUse());
+  static_cast<void>(DigestOf(kXxh3, bytes));
+  EXPECT_FALSE(*curvereg::testing::UpperVectorHalvesInUse());
+  static_cast<void>(Crc32c(bytes));
+  EXPECT_FALSE(*curvereg::testing::UpperVectorHalvesInUse());
 }
 
 }  // namespace
