@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/register_scans.h"
 
-#include <xxhash.h>
-
 #include <array>
 #include <chrono>
 #include <memory>
@@ -11,12 +9,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/hash.h"
 #include "core/parallel.h"
 #include "core/register_baseline.h"
 #include "core/register_curvelet.h"
 #include "core/register_icp.h"
 #include "core/register_paper.h"
-#include "core/simd.h"
 
 namespace curvereg {
 namespace {
@@ -56,9 +54,7 @@ std::string OptionsDigest(const RegistrationOptions& options) {
   if (options.time_budget_s.has_value()) absl::StrAppendFormat(&text, ";budget=%.17g", *options.time_budget_s);
   absl::StrAppendFormat(&text, ";limits=%d,%d,%.17g", options.limits.min_points, options.limits.max_points,
                         options.limits.max_coordinate_m);
-  const uint64_t hash = XXH3_64bits(text.data(), text.size());
-  ClearUpperVectorHalves();
-  return absl::StrFormat("%016x", hash);
+  return absl::StrFormat("%016x", HashOf(text));
 }
 
 bool IsPrepared(Method method) { return method == Method::kCurvelet || method == Method::kIcp; }

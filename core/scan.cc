@@ -11,14 +11,9 @@
 #include <string>
 #include <utility>
 
-#ifdef __x86_64__
-#include <xxh_x86dispatch.h>  // the processor's widest instructions, found at run time
-#else
-#include <xxhash.h>
-#endif
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/hash.h"
 #include "core/simd.h"
 
 namespace curvereg {
@@ -152,16 +147,12 @@ absl::Status ValidateScan(const Scan& scan, const ScanLimits& limits, const Stop
 
 int64_t CountFinitePoints(const Scan& scan) { return CountFinite(PackedPoints(scan)); }
 
-std::string ScanDigest(const Scan& scan) {
-  const std::string_view points = PackedPoints(scan);
-  const uint64_t hash = XXH3_64bits(points.data(), points.size());
-  ClearUpperVectorHalves();
-  return ScanDigestOfHash(hash, scan.gravity);
-}
+std::string ScanDigest(const Scan& scan) { return ScanDigestOfHash(HashOf(PackedPoints(scan)), scan.gravity); }
 
 std::string ScanDigestOfHash(uint64_t points_hash, const std::optional<Eigen::Vector3d>& gravity) {
   if (!gravity.has_value()) return absl::StrFormat("%016x", points_hash);
-  return absl::StrFormat("%016x", XXH3_64bits_withSeed(gravity->data(), 3 * sizeof(double), points_hash));
+  const std::string_view direction(reinterpret_cast<const char*>(gravity->data()), 3 * sizeof(double));
+  return absl::StrFormat("%016x", HashOf(direction, points_hash));
 }
 
 void FinitePointCounter::Update(std::string_view bytes) {
