@@ -135,9 +135,12 @@ absl::Status ScanStoreImpl::CheckScan(const std::string& scan_id) {
     if (!piece.ok()) return piece.status();
     digester->Update(*piece);
   }
-  if (wire::SameDigest(digester->Digest(), scan->payload_digest)) return absl::OkStatus();
-  const absl::Status marked = MarkPayload(scan->payload_digest.value(), true);
-  return marked.ok() ? DamagedError(scan_id) : marked;
+  return wire::SameDigest(digester->Digest(), scan->payload_digest) ? absl::OkStatus() : FoundDamaged(*scan);
+}
+
+absl::Status ScanStoreImpl::FoundDamaged(const StoredScan& scan) {
+  const absl::Status marked = MarkPayload(scan.payload_digest.value(), true);
+  return marked.ok() ? DamagedError(scan.id) : marked;
 }
 
 absl::Status ScanStoreImpl::DamagedError(const std::string& scan_id) const {

@@ -126,10 +126,7 @@ absl::StatusOr<std::string> ScanStoreImpl::ReadPayload(const std::string& scan_i
   if (bytes.ok() && bytes->size() == wanted) return bytes;
   // Deleted meanwhile, damaged, or a fault that passes?
   if (const absl::StatusOr<StoredScan> again = GetScan(scan_id); !again.ok()) return again.status();
-  if (bytes.ok() || !folder_.payloads.HasSize(digest, scan->payload_bytes)) {
-    const absl::Status marked = MarkPayload(digest, true);
-    return marked.ok() ? DamagedError(scan_id) : marked;
-  }
+  if (bytes.ok() || !folder_.payloads.HasSize(digest, scan->payload_bytes)) return FoundDamaged(*scan);
   return bytes;
 }
 
@@ -140,8 +137,7 @@ absl::StatusOr<std::string> ScanStoreImpl::ReadWholePayload(const std::string& s
   if (!bytes.ok() || wire::SameDigest(wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, *bytes), scan->payload_digest)) {
     return bytes;
   }
-  const absl::Status marked = MarkPayload(scan->payload_digest.value(), true);
-  return marked.ok() ? DamagedError(scan_id) : marked;
+  return FoundDamaged(*scan);
 }
 
 absl::StatusOr<ScanPage> ScanStoreImpl::ListScans(int page_size, const std::string& page_token) {

@@ -80,6 +80,8 @@ class ScanStoreImpl final : public ScanStore {
   bool IsDamaged(const std::string& scan_id) const;
   // All scans with this payload.
   absl::Status MarkPayload(const std::string& digest, bool is_damaged);
+  // Marks the payload of `scan`, too. Never OK.
+  absl::Status FoundDamaged(const StoredScan& scan);
   absl::Status DamagedError(const std::string& scan_id) const;
 
   StoreFolder folder_;
