@@ -10,6 +10,7 @@
 
 #include "server/registration/register_call.h"
 #include "tests/server/registration/registration_server.h"
+#include "tests/server/scheduling/busy_worker.h"
 #include "tests/testing/matchers.h"
 
 namespace curvereg::server {

@@ -8,7 +8,6 @@
 #include <grpcpp/grpcpp.h>
 
 #include <chrono>
-#include <latch>
 #include <memory>
 #include <optional>
 #include <string>
@@ -121,30 +120,6 @@ class RegistrationServer {
   std::unique_ptr<server::RegistrationService> service_;
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
-};
-
-// Keeps a worker of the pool busy until it is let go.
-class BusyWorker {
- public:
-  explicit BusyWorker(server::WorkerPool& pool) {
-    const absl::Status status = pool.Submit({.client = "test",
-                                             .cancellation = {},
-                                             .run =
-                                                 [this](std::chrono::nanoseconds) {
-                                                   entered_.count_down();
-                                                   opened_.wait();
-                                                 },
-                                             .drop = [](const absl::Status&) {}});
-    if (status.ok()) entered_.wait();
-  }
-  ~BusyWorker() { LetGo(); }
-  void LetGo() {
-    if (!opened_.try_wait()) opened_.count_down();
-  }
-
- private:
-  std::latch entered_{1};
-  std::latch opened_{1};
 };
 
 // Asks every millisecond; false when it stays untrue for 20 s.

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "tests/server/scans/scan_server.h"
+#include "tests/server/scheduling/busy_worker.h"
 #include "tests/testing/matchers.h"
 
 namespace curvereg::testing {
@@ -128,19 +129,13 @@ TEST(UploadInterruption, EndsAtTheServersEndWhileItsTaskWaits) {
   options.disk_pool = {.num_workers = 1, .max_queue_length = 2, .max_queue_per_client = 2};
   ScanServer server(options);
   const auto stub = server.NewStub();
-  std::promise<void> release;
-  ASSERT_THAT(server.disk_pool().Submit({.client = "test",
-                                         .cancellation = {},
-                                         .run = [&](std::chrono::nanoseconds) { release.get_future().wait(); },
-                                         .drop = [](const absl::Status&) {}}),
-              IsOk());
-  ASSERT_TRUE(WaitUntil([&] { return server.disk_pool().Statistics().num_running == 1; }));
+  BusyWorker busy(server.disk_pool());
   UploadClient upload(*stub);
   upload.Send(StartMessage("a", RandomCloud(1000, 1)));
   ASSERT_TRUE(WaitUntil([&] { return server.disk_pool().Statistics().num_waiting == 1; }));
   server.EndCalls();
   EXPECT_EQ(ReasonText(upload.End()), "NOT_SERVING");
-  release.set_value();
+  busy.LetGo();
 }
 
 // Tasks that wait for the disk, held up by one that keeps the only worker.
@@ -149,13 +144,7 @@ TEST(UploadInterruption, EndsWhileItsTaskWaits) {
   options.disk_pool = {.num_workers = 1, .max_queue_length = 2, .max_queue_per_client = 2};
   ScanServer server(options);
   const auto stub = server.NewStub();
-  std::promise<void> release;
-  ASSERT_THAT(server.disk_pool().Submit({.client = "test",
-                                         .cancellation = {},
-                                         .run = [&](std::chrono::nanoseconds) { release.get_future().wait(); },
-                                         .drop = [](const absl::Status&) {}}),
-              IsOk());
-  ASSERT_TRUE(WaitUntil([&] { return server.disk_pool().Statistics().num_running == 1; }));
+  BusyWorker busy(server.disk_pool());
   const v1::PointCloud cloud = RandomCloud(1000, 1);
   {
     UploadClient gone(*stub);
@@ -173,7 +162,7 @@ TEST(UploadInterruption, EndsWhileItsTaskWaits) {
   const absl::Status refused = Upload(*stub, "c", cloud).status();
   EXPECT_THAT(refused, HasCode(absl::StatusCode::kResourceExhausted));
   EXPECT_TRUE(wire::RetryDelayOf(refused).has_value());
-  release.set_value();
+  busy.LetGo();
   EXPECT_TRUE(one.Receive().has_value());
   EXPECT_TRUE(two.Receive().has_value());
 }

@@ -7,9 +7,9 @@
 
 #include <atomic>
 #include <future>
-#include <latch>
 
 #include "server/traverses/streamed_upload.h"
+#include "tests/server/scheduling/busy_worker.h"
 #include "tests/server/store/small_disk.h"
 #include "tests/server/traverses/traverse_world.h"
 
@@ -51,7 +51,7 @@ TEST(TraversesTest, ALostDatabaseIsSaidSo) {
   const auto reopened = [&](bool is_lost) {
     world.Close();
     if (is_lost) std::filesystem::remove(folder.File("traverses.sqlite"));
-    return Traverses::Open(folder.path(), {.store = &world.store()}).status();
+    return Traverses::Open(folder.path(), {.limits = {}, .store = &world.store()}).status();
   };
   EXPECT_THAT(reopened(true), IsOk()) << "nothing was kept so far";
   world.Keep(DriveCloud(0));
@@ -445,36 +445,11 @@ TEST(TraversesTest, OptimizesWithAllLinksThatThereAreToFind) {
   EXPECT_THAT(world->SourceOfMap(name, 7), HasReason(v1::ERROR_REASON_INVALID_FIELD));
 }
 
-// Has the only worker of a pool busy until it is freed.
-class BusyWorker {
- public:
-  explicit BusyWorker(WorkerPool& pool) {
-    EXPECT_THAT(pool.Submit({.client = "other",
-                             .cancellation = {},
-                             .run =
-                                 [state = state_](std::chrono::nanoseconds) {
-                                   state->busy.count_down();
-                                   state->free.wait();
-                                 },
-                             .drop = [](const absl::Status&) {}}),
-                IsOk());
-    state_->busy.wait();
-  }
-  void Free() { state_->free.count_down(); }
-
- private:
-  struct State {
-    std::latch busy{1};
-    std::latch free{1};
-  };
-  const std::shared_ptr<State> state_ = std::make_shared<State>();  // the task may see its end last
-};
-
 TEST(TraversesTest, AnOptimizationThatIsNotWantedAnyMoreIsDropped) {
   TraverseWorld world;
   world.Reopen(1);
   const std::string name = world.Create("drive");
-  BusyWorker busy(world.pool());
+  testing::BusyWorker busy(world.pool());
   v1::OptimizeTraverseRequest request;
   request.set_name(name);
   std::stop_source caller;
@@ -485,7 +460,7 @@ TEST(TraversesTest, AnOptimizationThatIsNotWantedAnyMoreIsDropped) {
   request.set_name("traverses/none");
   world->Optimize(request, "client", {}, [&](const auto& answer) { status = answer.status(); });
   EXPECT_THAT(status, HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
-  busy.Free();
+  busy.LetGo();
 }
 
 TEST(TraversesTest, RefusesOptimisationsThatWouldPileUp) {
@@ -493,7 +468,7 @@ TEST(TraversesTest, RefusesOptimisationsThatWouldPileUp) {
   world.Reopen(1);
   v1::OptimizeTraverseRequest request;
   request.set_name(world.Create("drive"));
-  BusyWorker busy(world.pool());
+  testing::BusyWorker busy(world.pool());
   constexpr int kAsked = 100;
   std::atomic<int> num_done = 0, num_refused = 0;
   for (int i = 0; i < kAsked; ++i) {
@@ -503,7 +478,7 @@ TEST(TraversesTest, RefusesOptimisationsThatWouldPileUp) {
     });
   }
   EXPECT_GE(num_refused, kAsked / 2);
-  busy.Free();
+  busy.LetGo();
   EXPECT_TRUE(BecomesTrue([&] { return num_done + num_refused == kAsked; }));
   EXPECT_GE(num_done, 2);
 }
