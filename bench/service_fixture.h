@@ -17,18 +17,39 @@
 
 namespace curvereg::bench {
 
+[[noreturn]] inline void Fail(const std::string& message) {
+  std::fprintf(stderr, "%s\n", message.c_str());
+  std::exit(1);
+}
+
+// A new folder that goes with all it holds. Ends the program with a message when it cannot be made.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    if (mkdtemp(path_.data()) == nullptr) Fail("no temporary folder");
+  }
+  ~ScratchFolder() {
+    std::error_code error;
+    std::filesystem::remove_all(path_, error);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_ = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
+};
+
 // Ends the program with a message when the server cannot be started or reached.
 class LoopbackService {
  public:
   explicit LoopbackService(const server::LimitsConfig& limits = {}, const server::TlsConfig& tls = {}) {
     server::KeepFreedMemory();
-    std::string folder = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr) Fail("no temporary folder");
-    folder_ = folder;
     server::ServerConfig config;
     config.listen = "127.0.0.1:0";
     config.ops_listen = "";
-    config.data_dir = folder_;
+    config.data_dir = folder_.path();
     config.limits = limits;
     config.tls = tls;
     config.log.level = "error";
@@ -37,13 +58,6 @@ class LoopbackService {
     if (!server.ok()) Fail(std::string(server.status().message()));
     server_ = *std::move(server);
   }
-  ~LoopbackService() {
-    server_.reset();
-    std::error_code error;
-    std::filesystem::remove_all(folder_, error);
-  }
-  LoopbackService(const LoopbackService&) = delete;
-  LoopbackService& operator=(const LoopbackService&) = delete;
 
   std::string target() const { return "127.0.0.1:" + std::to_string(server_->port()); }
   std::unique_ptr<Client> Connect(const ClientOptions& options = {}) const {
@@ -53,12 +67,7 @@ class LoopbackService {
   }
 
  private:
-  [[noreturn]] static void Fail(const std::string& message) {
-    std::fprintf(stderr, "%s\n", message.c_str());
-    std::exit(1);
-  }
-
-  std::string folder_;
+  ScratchFolder folder_;  // outlives the server
   std::unique_ptr<server::Server> server_;
 };
 

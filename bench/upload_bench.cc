@@ -16,10 +16,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <random>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +26,8 @@
 #include "bench/service_fixture.h"
 #include "core/scan.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
+#include "server/settings/small_file.h"
+#include "tests/testing/certificates.h"
 #include "wire/digest.h"
 
 namespace curvereg {
@@ -139,8 +139,7 @@ void Print(const char* transport, const std::vector<std::pair<Cost, Cost>>& roun
   const auto median = [&](const auto& of) { return Median(rounds, of); };
   std::printf(
       "%s, %.0f MB in chunks of %u: bare stream %.0f MB/s (%.0f ms of processor time), upload %.0f MB/s (%.0f ms); "
-      "median "
-      "of ratios %.2f until all bytes are acknowledged (at least 0.8), %.2f until the scan is on the disk\n",
+      "median of ratios %.2f until all bytes are acknowledged (at least 0.8), %.2f until the scan is on the disk\n",
       transport, megabytes, kChunkBytes,
       median([&](const Cost& bare, const Cost&) { return megabytes / bare.transfer; }),
       median([](const Cost& bare, const Cost&) { return 1e3 * bare.processor; }),
@@ -190,53 +189,24 @@ void PrintOwnWork(const std::string& payload) {
       wire::HexText(digester.Digest().value()).c_str(), crc32c);
 }
 
-std::string ReadFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-// Of a server at 127.0.0.1, signed by itself, by the openssl command. In a folder that goes with it.
-class Certificate {
- public:
-  Certificate() {
-    folder_ = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
-    if (mkdtemp(folder_.data()) == nullptr) std::exit(1);
-    const std::string command =
-        "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2 -subj /CN=bench "
-        "-addext subjectAltName=IP:127.0.0.1 -keyout '" +
-        key_file() + "' -out '" + certificate_file() + "' 2>/dev/null";
-    if (std::system(command.c_str()) == 0) return;
-    std::fprintf(stderr, "the openssl command made no certificate\n");
-    std::exit(1);
-  }
-  ~Certificate() {
-    std::error_code error;
-    std::filesystem::remove_all(folder_, error);
-  }
-  Certificate(const Certificate&) = delete;
-  Certificate& operator=(const Certificate&) = delete;
-
-  std::string certificate_file() const { return folder_ + "/server.pem"; }
-  std::string key_file() const { return folder_ + "/server.key"; }
-
- private:
-  std::string folder_;
-};
-
-// `tls` without files: plain text.
-void Compare(const char* transport, const server::TlsConfig& tls, const Scan& scan, const std::string& payload) {
-  const bool has_tls = !tls.certificate_file.empty();
+// Over TLS with the certificates "server" and "authority"; null: over plain text.
+void Compare(const testing::Certificates* certificates, const Scan& scan, const std::string& payload) {
   Sink sink;
   int port = 0;
   std::shared_ptr<grpc::ServerCredentials> server_credentials = grpc::InsecureServerCredentials();
   std::shared_ptr<grpc::ChannelCredentials> client_credentials = grpc::InsecureChannelCredentials();
-  if (has_tls) {
-    const std::string certificate = ReadFile(tls.certificate_file);
-    grpc::SslServerCredentialsOptions options;
-    options.pem_key_cert_pairs = {{ReadFile(tls.key_file), certificate}};
-    server_credentials = grpc::SslServerCredentials(options);
-    client_credentials = grpc::SslCredentials({certificate, "", ""});
+  server::TlsConfig tls;
+  ClientOptions options;
+  if (certificates != nullptr) {
+    tls.certificate_file = certificates->Pem("server");
+    tls.key_file = certificates->Key("server");
+    options.tls.enabled = true;
+    options.tls.ca_file = certificates->Pem("authority");
+    grpc::SslServerCredentialsOptions own;
+    own.pem_key_cert_pairs = {
+        {server::ReadSmallFile(tls.key_file).value(), server::ReadSmallFile(tls.certificate_file).value()}};
+    server_credentials = grpc::SslServerCredentials(own);
+    client_credentials = grpc::SslCredentials({server::ReadSmallFile(options.tls.ca_file).value(), "", ""});
   }
   grpc::ServerBuilder builder;
   builder.AddListeningPort("127.0.0.1:0", server_credentials, &port).RegisterService(&sink);
@@ -248,9 +218,6 @@ void Compare(const char* transport, const server::TlsConfig& tls, const Scan& sc
   limits.max_scan_bytes = 2 * payload.size();
   limits.memory_bytes = 16 * payload.size();
   const bench::LoopbackService service(limits, tls);
-  ClientOptions options;
-  options.tls.enabled = has_tls;
-  options.tls.ca_file = tls.certificate_file;
   const std::unique_ptr<Client> client = service.Connect(options);
 
   SendBare(stub, payload);
@@ -260,7 +227,7 @@ void Compare(const char* transport, const server::TlsConfig& tls, const Scan& sc
     const Cost of_bare = SendBare(stub, payload);
     rounds.emplace_back(of_bare, Upload(*client, scan));
   }
-  Print(transport, rounds, payload.size());
+  Print(certificates == nullptr ? "plain text" : "TLS", rounds, payload.size());
 }
 
 int Main() {
@@ -272,9 +239,16 @@ int Main() {
   }
   const std::string payload(reinterpret_cast<const char*>(scan.points.data()), scan.points.size() * 12);
 
-  Compare("plain text", {}, scan, payload);
-  const Certificate certificate;
-  Compare("TLS", {certificate.certificate_file(), certificate.key_file(), "", 10}, scan, payload);
+  Compare(nullptr, scan, payload);
+  if (testing::HasOpenssl()) {
+    const bench::ScratchFolder folder;
+    const testing::Certificates certificates(folder.path());
+    certificates.MakeAuthority("authority");
+    certificates.MakeLeaf("server", "authority", "IP:127.0.0.1");
+    Compare(&certificates, scan, payload);
+  } else {
+    std::printf("TLS left out: the openssl command is missing\n");
+  }
   PrintOwnWork(payload);
   return 0;
 }

@@ -1,24 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Certificates for a test, made by the openssl command.
+// Certificates for a test or benchmark, made by the openssl command.
 #ifndef CURVEREG_TESTS_TESTING_CERTIFICATES_H_
 #define CURVEREG_TESTS_TESTING_CERTIFICATES_H_
 
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
-
-#include <gtest/gtest.h>
 
 namespace curvereg::testing {
 
 // False: GTEST_SKIP() << "the openssl command is missing".
 inline bool HasOpenssl() { return std::system("command -v openssl >/dev/null 2>&1") == 0; }
 
-// NAME.pem and NAME.key in a folder, good for two days.
+// NAME.pem and NAME.key in a folder, good for two days. Throws std::runtime_error where openssl fails.
 class Certificates {
  public:
   explicit Certificates(std::string folder) : folder_(std::move(folder)) {}
@@ -45,7 +44,7 @@ class Certificates {
     const int status = std::system(("cd '" + folder_ + "' && openssl " + arguments + " >'" + log + "' 2>&1").c_str());
     std::ostringstream text;
     text << std::ifstream(log).rdbuf();
-    ASSERT_EQ(status, 0) << arguments << "\n" << text.str();
+    if (status != 0) throw std::runtime_error("openssl " + arguments + "\n" + text.str());
   }
 
   const std::string folder_;
