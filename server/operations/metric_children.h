@@ -24,7 +24,8 @@ inline const prometheus::Histogram::BucketBoundaries& SecondsBuckets() {
   return buckets;
 }
 inline const prometheus::Histogram::BucketBoundaries& CountBuckets() {
-  static const prometheus::Histogram::BucketBoundaries buckets = {0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0};
+  static const prometheus::Histogram::BucketBoundaries buckets = {0.0,  1.0,  2.0,   3.0,   5.0,   10.0,
+                                                                  20.0, 50.0, 100.0, 200.0, 500.0, 1000.0};
   return buckets;
 }
 inline const prometheus::Histogram::BucketBoundaries& MetersBuckets() {

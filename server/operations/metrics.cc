@@ -138,6 +138,8 @@ struct Metrics::State {
                             .Add({}, CountBuckets());
   Histogram& hypotheses =
       Histograms("curvereg_registration_hypotheses", "Poses that a registration tried").Add({}, CountBuckets());
+  Histogram& inliers = Histograms("curvereg_registration_inliers", "Matches of a registration that agree with its pose")
+                           .Add({}, CountBuckets());
   Counter& registered_points =
       Counters("curvereg_registration_points_total", "Finite points of the scans that were registered, of both")
           .Add({});
@@ -163,6 +165,9 @@ struct Metrics::State {
   Histogram& tracking_latency = Histograms("curvereg_traverse_latency_seconds",
                                            "Time from the acknowledgement of a traverse's scan to its pose [s]")
                                     .Add({}, SecondsBuckets());
+  Counter& taken_seconds = Counters("curvereg_traverse_acquisition_seconds_total",
+                                    "Time from the acquisition of a traverse's scans to that of the next ones [s]")
+                               .Add({});
   Counter& joined = Counters("curvereg_traverse_segments_joined_total", "Segments that became part of another").Add({});
   Histogram& optimization =
       Histograms("curvereg_traverse_optimization_seconds", "Wall time of a revision of a traverse's poses [s]")
@@ -232,6 +237,7 @@ void Metrics::Registered(const RegistrationResult& result) {
   const Evidence& evidence = result.evidence;  // -1: not computed
   state_->attempts.Observe(evidence.num_attempts);
   state_->hypotheses.Observe(evidence.num_hypotheses);
+  state_->inliers.Observe(evidence.num_inliers);
   state_->registered_points.Increment(static_cast<double>(evidence.num_source_points + evidence.num_target_points));
   if (evidence.residual_rmse_m >= 0.0) state_->residual.Observe(evidence.residual_rmse_m);
   const double overlap = std::min(evidence.overlap_source, evidence.overlap_target);
@@ -252,7 +258,7 @@ void Metrics::UploadCompleted(uint64_t num_bytes) {
 
 void Metrics::ChecksumFailed() { state_->checksum.Increment(); }
 
-void Metrics::ScanTracked(v1::PoseOrigin origin, double latency_s) {
+void Metrics::ScanTracked(v1::PoseOrigin origin, double latency_s, double acquisition_s) {
   if (origin == v1::POSE_ORIGIN_REGISTERED) {
     state_->by_registration.Increment();
   } else if (origin == v1::POSE_ORIGIN_PRIOR) {
@@ -261,6 +267,7 @@ void Metrics::ScanTracked(v1::PoseOrigin origin, double latency_s) {
     state_->by_segment_start.Increment();
   }
   state_->tracking_latency.Observe(latency_s);
+  state_->taken_seconds.Increment(acquisition_s);
 }
 
 void Metrics::SegmentJoined() { state_->joined.Increment(); }

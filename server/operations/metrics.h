@@ -35,7 +35,8 @@ class Metrics {
   void UploadResumed();
   void UploadCompleted(uint64_t num_bytes);
   void ChecksumFailed();
-  void ScanTracked(v1::PoseOrigin origin, double latency_s);  // from its acknowledgement
+  // `latency_s`: from its acknowledgement; `acquisition_s`: since the scan before was taken, 0 where unknown.
+  void ScanTracked(v1::PoseOrigin origin, double latency_s, double acquisition_s);
   void SegmentJoined();
   void TraverseOptimized(std::chrono::nanoseconds duration);
   void TraverseEvents(uint64_t num_events);

@@ -38,6 +38,7 @@ RegistrationResult GoodResult() {
   result.evidence.num_source_points = 900;
   result.evidence.num_target_points = 800;
   result.evidence.num_hypotheses = 12;
+  result.evidence.num_inliers = 40;
   result.evidence.num_attempts = 3;
   result.evidence.overlap_source = 0.75;
   result.evidence.overlap_target = 0.55;
@@ -105,6 +106,8 @@ TEST(MetricsTest, TellsWhatRegistrationsGave) {
   EXPECT_EQ(Value(text, "curvereg_registration_attempts_count"), 2.0);
   EXPECT_EQ(Value(text, "curvereg_registration_attempts_bucket{le=\"2\"}"), 1.0);
   EXPECT_EQ(Value(text, "curvereg_registration_hypotheses_sum"), 12.0);
+  EXPECT_EQ(Value(text, "curvereg_registration_inliers_count"), 2.0);
+  EXPECT_EQ(Value(text, "curvereg_registration_inliers_sum"), 40.0);
   EXPECT_EQ(Value(text, "curvereg_registration_points_total"), 1700.0);
   EXPECT_EQ(Value(text, "curvereg_residual_meters_count"), 1.0);
   EXPECT_EQ(Value(text, "curvereg_overlap_ratio_count"), 1.0);

@@ -7,6 +7,8 @@
 
 #include <atomic>
 #include <future>
+#include <optional>
+#include <vector>
 
 #include "server/traverses/streamed_upload.h"
 #include "tests/server/scheduling/busy_worker.h"
@@ -100,6 +102,23 @@ TEST(TraversesTest, TracksADriveAndTellsEachScanOnce) {
   EXPECT_EQ(traverse->segment_count(), 1U);
   EXPECT_NEAR(traverse->path_length_m(), 2.4, 0.2);
   EXPECT_EQ(world.Poses(name).size(), 4U);
+}
+
+TEST(TraversesTest, CountsTheTimeBetweenScans) {
+  TraverseWorld world;
+  const std::string name = world.Create("drive");
+  const StreamTicket ticket = world.Begin(name);
+  const std::vector<std::optional<int64_t>> taken_s = {100, 130, 125, 145, std::nullopt, 200, 202};
+  for (std::size_t i = 0; i < taken_s.size(); ++i) {
+    v1::PointCloud cloud = DriveCloud(static_cast<int>(i));
+    if (taken_s[i].has_value()) cloud.mutable_header()->mutable_time()->set_seconds(*taken_s[i]);
+    ASSERT_THAT(world.Add(ticket, i, cloud), IsOk());
+  }
+  ASSERT_TRUE(world.WaitForScans(name, taken_s.size()));
+  EXPECT_TRUE(BecomesTrue([&] {
+    const std::string text = world.metrics().Text();  // neither the clock set back nor the scan without a time counts
+    return text.find("\ncurvereg_traverse_acquisition_seconds_total 52\n") != std::string::npos;
+  }));
 }
 
 TEST(TraversesTest, EventsAreNumberedWithoutGapsAndWakeWatchers) {
