@@ -95,7 +95,9 @@ TEST(ClientTest, ACallTimeoutEndsRefusals) {
   const ScriptedServer server(
       WithRegistration([](auto&, const auto&, auto&) { return Refusal(v1::ERROR_REASON_NOT_SERVING); }));
   ClientOptions options = QuickOptions();
-  options.call_timeout = milliseconds(300);
+  // Two attempts, the second 0.8 to 1.2 s after the first, so that time never runs out amid one.
+  options.retry.initial_backoff = options.retry.max_backoff = milliseconds(1000);
+  options.call_timeout = milliseconds(1500);
   const auto client = ConnectTo(server.target(), options);
   const Clock::time_point start = Clock::now();
   const auto result = client->RegisterScans(std::string("scans/a"), std::string("scans/b"));
