@@ -14,7 +14,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <stop_token>
 #include <string>
@@ -85,7 +84,7 @@ class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
   absl::StatusOr<uint32_t> CloseLoops(const Stop& stop);
   absl::StatusOr<TraverseRevision> Revise(const Stop& stop);
   absl::Status Keep(TraverseStep step);
-  void Tell(const TraverseStep& step);
+  void Tell(const TraverseStep& step) const;
 
   const Environment& environment_;
   const std::string client_;  // whose turns the work takes
@@ -110,7 +109,6 @@ class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
   int num_failures_ = 0;                // in a row
   std::array<int, 2> num_preempted_{};  // in a row, of looks around and of revisions
   TraverseWork work_;
-  std::optional<int64_t> last_taken_ns_;  // the scan told last, as work_ is
 };
 
 }  // namespace curvereg::server

@@ -330,17 +330,10 @@ absl::Status TraverseEngine::Keep(TraverseStep step) {
   return absl::OkStatus();
 }
 
-void TraverseEngine::Tell(const TraverseStep& step) {
+void TraverseEngine::Tell(const TraverseStep& step) const {
   const v1::ScanResult& result = step.events.front().result();
   const double latency_s = wire::SecondsOf(result.latency()).value_or(0.0);
-  const std::optional<int64_t> taken_ns =
-      result.pose().has_time() ? wire::NanosecondsOf(result.pose().time()) : std::nullopt;
-  const std::optional<int64_t> last_taken_ns = std::exchange(last_taken_ns_, taken_ns);
-  // The clock of a rover may be set back.
-  const bool has_passed = taken_ns.has_value() && last_taken_ns.has_value() && *taken_ns > *last_taken_ns;
-  const double acquisition_s =
-      has_passed ? 1e-9 * (static_cast<double>(*taken_ns) - static_cast<double>(*last_taken_ns)) : 0.0;
-  environment_.work.scans.calls.metrics->ScanTracked(result.pose().origin(), latency_s, acquisition_s);
+  environment_.work.scans.calls.metrics->ScanTracked(result.pose().origin(), latency_s, work_.LastAcquisitionSeconds());
   Logger& logger = *environment_.work.logger;
   LogFields fields = {{"traverse", name_},
                       {"sequence_number", static_cast<int64_t>(result.sequence_number())},

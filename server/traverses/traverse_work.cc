@@ -222,6 +222,16 @@ bool TraverseWork::IsRevisionDue() const {
   return has_news && traverse_.poses.size() >= num_revised_scans_ + interval;
 }
 
+double TraverseWork::LastAcquisitionSeconds() const {
+  const std::vector<TrajectoryPose>& poses = traverse_.poses;
+  if (poses.size() < 2) return 0.0;
+  const std::optional<int64_t>& begin_ns = poses[poses.size() - 2].time_ns;
+  const std::optional<int64_t>& end_ns = poses.back().time_ns;
+  if (!begin_ns.has_value() || !end_ns.has_value()) return 0.0;
+  // Apart, for the difference of any two times may be beyond 64 bits.
+  return std::max(1e-9 * (static_cast<double>(*end_ns) - static_cast<double>(*begin_ns)), 0.0);
+}
+
 void TraverseWork::Describe(TraverseRecord& record) const {
   record.traverse.set_registered_scan_count(traverse_.poses.size());
   record.traverse.set_segment_count(static_cast<uint32_t>(CountSegments(traverse_)));

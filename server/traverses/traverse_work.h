@@ -54,6 +54,9 @@ class TraverseWork {
   // Links since the last revision join segments, or are many scans old.
   bool IsRevisionDue() const;
 
+  // [s] Between the acquisitions of the last two tracked scans, by their times. 0: unknown, or the clock was set back.
+  double LastAcquisitionSeconds() const;
+
   // The record after the steps so far, but for its events and what is acknowledged.
   void Describe(TraverseRecord& record) const;
 
