@@ -16,8 +16,8 @@
 namespace curvereg {
 
 // To be called after functions of other libraries that may leave the upper halves of the vector registers in use, as
-// those of XXH3 do: on such a thread plain SSE code is slower until somebody clears them. Not inlined, for no caller
-// may have anything in them.
+// XXH3 and ISA-L's CRC-32C do: on such a thread plain SSE code is slower until somebody clears them. Not inlined, for
+// no caller may have anything in them.
 [[gnu::noinline]] inline void ClearUpperVectorHalves() {
 #if defined(__x86_64__) && defined(__GNUC__)
   if (__builtin_cpu_supports("avx")) __asm__ volatile("vzeroupper");
