@@ -99,7 +99,7 @@ Cost SendBare(v1::ScanService::Stub& stub, const std::string& payload) {
   v1::UploadScanResponse response;
   while (stream->Read(&response)) {
   }
-  if (!stream->Finish().ok()) std::exit(1);
+  if (const grpc::Status status = stream->Finish(); !status.ok()) bench::Fail(status.error_message());
   const double seconds = Seconds(Clock::now() - start);
   return {seconds, seconds, ProcessorSeconds() - processor_before};
 }
@@ -117,10 +117,8 @@ Cost Upload(Client& client, const Scan& scan) {
   const auto outcome = client.UploadScan(scan, options);
   const Cost cost = {Seconds(acknowledged - start), Seconds(Clock::now() - start),
                      ProcessorSeconds() - processor_before};
-  if (!outcome.ok() || outcome->already_stored) {
-    std::fprintf(stderr, "%s\n", outcome.status().ToString().c_str());
-    std::exit(1);
-  }
+  if (!outcome.ok()) bench::Fail(outcome.status().ToString());
+  if (outcome->already_stored) bench::Fail("the scan is still stored");
   static_cast<void>(client.DeleteScan(outcome->scan.name));
   return cost;
 }
@@ -163,11 +161,11 @@ double SecondsOf(const std::string& payload, const Work& work) {
 double SecondsToWrite(const std::string& payload) {
   std::string path = (std::filesystem::temp_directory_path() / "curvereg-bench-XXXXXX").string();
   const int fd = mkstemp(path.data());
-  if (fd < 0) std::exit(1);
+  if (fd < 0) bench::Fail("no temporary file");
   unlink(path.c_str());
   const double seconds = SecondsOf(payload, [fd](std::size_t offset, std::string_view chunk) {
     const ssize_t written = pwrite(fd, chunk.data(), chunk.size(), static_cast<off_t>(offset));
-    if (written != static_cast<ssize_t>(chunk.size())) std::exit(1);
+    if (written != static_cast<ssize_t>(chunk.size())) bench::Fail("the temporary file cannot be written");
   });
   close(fd);
   return seconds;
