@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any bytes as a cloud from the wire.
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
