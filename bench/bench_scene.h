@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/prepared_scan.h"
-#include "core/rigid_transform.h"
-#include "core/view_features.h"
+#include "core/base/rigid_transform.h"
+#include "core/features/view_features.h"
+#include "core/methods/prepared_scan.h"
 
 namespace curvereg::bench {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pose hypotheses of the matches of two scans beside a copy of one scan's points.
-#include "core/consensus.h"
+#include "core/pose/consensus.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The curvelet transform beside one plain real FFT and its inverse of the image, single thread, double precision.
-#include "core/curvelet_transform.h"
+#include "core/curvelet/curvelet_transform.h"
 
 #include <cmath>
 #include <cstdio>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Free space of a scan, made and asked, beside a copy of its points.
-#include "core/free_space.h"
+#include "core/scan/free_space.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Conditioning of an elevation image beside one FFT there and back of an image of its size.
-#include "core/image_conditioning.h"
+#include "core/views/image_conditioning.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"
-#include "core/scan_image.h"
+#include "core/views/scan_image.h"
 
 int main(int argc, char** argv) {
   const auto points = curvereg::bench::BenchScan(curvereg::bench::BenchPose(0.0, 0.0, 0.0));

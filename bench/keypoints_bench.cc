@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Key points of an elevation view beside one FFT there and back of an image of its size.
-#include "core/keypoints.h"
+#include "core/features/keypoints.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"
-#include "core/image_conditioning.h"
-#include "core/scale_bands.h"
+#include "core/curvelet/scale_bands.h"
+#include "core/views/image_conditioning.h"
 
 int main(int argc, char** argv) {
   const auto points = curvereg::bench::BenchScan(curvereg::bench::BenchPose(0.0, 0.0, 0.0));

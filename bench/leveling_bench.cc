@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Candidate verticals from a scan's surface elements beside a copy of its points.
-#include "core/leveling.h"
+#include "core/scan/leveling.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Matching the features of two scans beside a copy of one scan's points.
-#include "core/matching.h"
+#include "core/features/matching.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

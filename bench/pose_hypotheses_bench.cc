@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // From the features of two views to poses, matching included, beside a copy of the points.
-#include "core/pose_hypotheses.h"
+#include "core/pose/pose_hypotheses.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

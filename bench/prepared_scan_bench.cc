@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // All that is computed of one scan alone beside a copy of its points.
-#include "core/prepared_scan.h"
+#include "core/methods/prepared_scan.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The views from the sensor and the features of the method `paper` beside a copy of the scan's points.
-#include "core/range_image.h"
+#include "core/views/range_image.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"
-#include "core/paper_features.h"
+#include "core/features/paper_features.h"
 
 int main(int argc, char** argv) {
   const curvereg::Scan scan{curvereg::bench::BenchScan(curvereg::bench::BenchPose(0.0, 0.0, 0.0)), {}};

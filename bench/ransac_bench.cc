@@ -3,11 +3,11 @@
 //
 // RANSAC over 300 pairs of points of which every tenth is right, and FLANN's matching of as many features, beside a
 // copy of a scan's points.
-#include "core/ransac.h"
+#include "core/pose/ransac.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"
-#include "core/approximate_matching.h"
+#include "core/features/approximate_matching.h"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "bench/median_time.h"
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 
 namespace curvereg::bench {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Refinement of a pose on all levels beside a copy of one scan's points.
-#include "core/refinement.h"
+#include "core/pose/refinement.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

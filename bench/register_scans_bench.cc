@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bench/ratio.h"
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "sim/presets.h"
 #include "sim/simulation.h"
 

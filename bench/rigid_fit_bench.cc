@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The rigid fit of a scan's points to themselves moved, and of three points, beside a copy of the points.
-#include "core/rigid_fit.h"
+#include "core/pose/rigid_fit.h"
 
 #include <span>
 

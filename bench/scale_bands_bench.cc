@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Six scale bands of an image beside one plain real FFT and six plain inverse ones, single thread, single precision.
-#include "core/scale_bands.h"
+#include "core/curvelet/scale_bands.h"
 
 #include <cmath>
 #include <cstdio>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What every scan is asked before the work starts, beside a copy of the points.
-#include "core/scan.h"
+#include "core/scan/scan.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

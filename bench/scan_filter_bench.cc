@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Removal of isolated returns beside a copy of the points.
-#include "core/scan_filter.h"
+#include "core/scan/scan_filter.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Views of a scan beside a copy of its points.
-#include "core/scan_image.h"
+#include "core/views/scan_image.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "client/client.h"
-#include "server/heap_tuning.h"
+#include "program/heap_tuning.h"
 #include "server/server.h"
 
 namespace curvereg::bench {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bench/median_time.h"
+#include "core/base/parallel.h"
 #include "core/mapping/tracking.h"
-#include "core/parallel.h"
 #include "core/register_scans.h"
 #include "sim/presets.h"
 #include "sim/random.h"

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "bench/service_fixture.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/settings/small_file.h"
 #include "tests/testing/certificates.h"

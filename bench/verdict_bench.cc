@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the verdict asks of a pose beside a copy of one scan's points.
-#include "core/verdict.h"
+#include "core/methods/verdict.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // From points to features beside one FFT there and back of an image of the view's size.
-#include "core/view_features.h"
+#include "core/features/view_features.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

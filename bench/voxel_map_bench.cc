@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Surface elements of a scan beside a copy of its points.
-#include "core/voxel_map.h"
+#include "core/scan/voxel_map.h"
 
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"

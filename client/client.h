@@ -24,10 +24,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/registration_options.h"
-#include "core/registration_result.h"
-#include "core/scan.h"
-#include "core/stop.h"
+#include "core/base/stop.h"
+#include "core/methods/registration_options.h"
+#include "core/methods/registration_result.h"
+#include "core/scan/scan.h"
 
 namespace grpc {
 class Channel;

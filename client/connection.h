@@ -17,7 +17,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/client.h"
-#include "core/stop.h"
+#include "core/base/stop.h"
 
 namespace curvereg::internal {
 

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "client/client.h"
 #include "client/connection.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 
 namespace curvereg::internal {
 

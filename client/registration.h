@@ -8,8 +8,8 @@
 #include "absl/status/statusor.h"
 #include "client/client.h"
 #include "client/connection.h"
-#include "core/registration_options.h"
-#include "core/registration_result.h"
+#include "core/methods/registration_options.h"
+#include "core/methods/registration_result.h"
 
 namespace curvereg::internal {
 

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/client.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "curvereg/v1/point_cloud.pb.h"
 #include "curvereg/v1/registration_service.pb.h"
 #include "curvereg/v1/scan_service.pb.h"

@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "client/client.h"
 #include "client/connection.h"
-#include "core/stop.h"
+#include "core/base/stop.h"
 
 namespace curvereg::internal {
 

@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "client/client.h"
 #include "client/connection.h"
-#include "core/stop.h"
+#include "core/base/stop.h"
 
 namespace curvereg::internal {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/mapping/trajectory.h"
-#include "core/registration_options.h"
-#include "core/registration_result.h"
+#include "core/methods/registration_options.h"
+#include "core/methods/registration_result.h"
 
 namespace curvereg {
 

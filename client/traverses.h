@@ -24,9 +24,9 @@
 #include "absl/status/statusor.h"
 #include "client/client.h"
 #include "client/traverse_types.h"
-#include "core/registration_options.h"
-#include "core/scan.h"
-#include "core/stop.h"
+#include "core/base/stop.h"
+#include "core/methods/registration_options.h"
+#include "core/scan/scan.h"
 
 namespace curvereg {
 

@@ -5,10 +5,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(CURVEREG_INSTALLED core flann render files)
-if(CURVEREG_BUILD_BASELINES)
-  list(APPEND CURVEREG_INSTALLED baselines)
-endif()
+set(CURVEREG_INSTALLED core methods baselines flann render files)
 if(CURVEREG_BUILD_SERVER)
   list(APPEND CURVEREG_INSTALLED proto wire client)
 endif()

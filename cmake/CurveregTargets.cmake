@@ -8,7 +8,7 @@ function(curvereg_configure target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow $<$<BOOL:${CURVEREG_WERROR}>:-Werror>)
   # Allowed because no code of ours reads errno after <cmath> or traps on floating point; results stay IEEE. Without
-  # fused products every instruction set that core/simd.h may pick gives the same bytes.
+  # fused products every instruction set that core/base/simd.h may pick gives the same bytes.
   target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math
                          -ffp-contract=off)
   target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>")
@@ -34,7 +34,7 @@ if(CURVEREG_SANITIZER MATCHES thread)
 endif()
 
 # curvereg_add_test(core/scan [LABEL unit|integration|slow] [TIMEOUT SECONDS] [SERIAL] [LIBRARIES curvereg::sim ...]):
-# builds tests/core/scan_test.cc into its own executable and registers each of its test cases with CTest.
+# builds tests/core/scan/scan_test.cc into its own executable and registers each of its test cases with CTest.
 function(curvereg_add_test path)
   cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "LIBRARIES" ${ARGN})
   if(NOT ARG_LABEL)
@@ -65,6 +65,23 @@ function(curvereg_add_test path)
     PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${serial}
                ENVIRONMENT_MODIFICATION
                "TSAN_OPTIONS=string_append: suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
+endfunction()
+
+# curvereg_add_tests(core/scan [options of curvereg_add_test] TESTS scan voxel_map ...): the tests of one folder.
+function(curvereg_add_tests folder)
+  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "LIBRARIES;TESTS" ${ARGN})
+  set(options LIBRARIES ${ARG_LIBRARIES})
+  if(ARG_SERIAL)
+    list(PREPEND options SERIAL)
+  endif()
+  foreach(option LABEL TIMEOUT)
+    if(ARG_${option})
+      list(PREPEND options ${option} ${ARG_${option}})
+    endif()
+  endforeach()
+  foreach(test ${ARG_TESTS})
+    curvereg_add_test(${folder}/${test} ${options})
+  endforeach()
 endfunction()
 
 # curvereg_add_benchmark(scale_bands [LIBRARIES ...]): builds bench/scale_bands_bench.cc.

@@ -9,12 +9,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "core/hash.h"
-#include "core/parallel.h"
-#include "core/register_baseline.h"
-#include "core/register_curvelet.h"
-#include "core/register_icp.h"
-#include "core/register_paper.h"
+#include "core/base/hash.h"
+#include "core/base/parallel.h"
+#include "core/baselines/register_baseline.h"
+#include "core/methods/register_curvelet.h"
+#include "core/methods/register_icp.h"
+#include "core/methods/register_paper.h"
 
 namespace curvereg {
 namespace {

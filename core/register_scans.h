@@ -12,10 +12,10 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "core/prepared_scan.h"
-#include "core/registration_options.h"
-#include "core/registration_result.h"
-#include "core/scan.h"
+#include "core/methods/prepared_scan.h"
+#include "core/methods/registration_options.h"
+#include "core/methods/registration_result.h"
+#include "core/scan/scan.h"
 
 namespace curvereg {
 

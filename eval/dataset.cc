@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/file_bytes.h"
-#include "client/files/scan_files.h"
-#include "client/files/trajectory_file.h"
 #include "eval/dataset_text.h"
+#include "files/file_bytes.h"
+#include "files/scan_files.h"
+#include "files/trajectory_file.h"
 
 namespace curvereg {
 namespace {

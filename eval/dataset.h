@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
 
 namespace curvereg {
 

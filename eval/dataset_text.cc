@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/text_fields.h"
+#include "files/text_fields.h"
 
 namespace curvereg {
 namespace {

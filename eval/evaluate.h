@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/registration_options.h"
+#include "core/methods/registration_options.h"
 #include "eval/dataset.h"
 #include "eval/metrics.h"
 #include "eval/scan_cache.h"

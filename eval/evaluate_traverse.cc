@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "eval/metrics.h"
 
 namespace curvereg {

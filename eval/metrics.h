@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/registration_result.h"
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
+#include "core/methods/registration_result.h"
 
 namespace curvereg {
 

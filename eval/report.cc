@@ -8,13 +8,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/files/atomic_file.h"
 #include "eval/distribution.h"
 #include "eval/report_files.h"
 #include "eval/report_html.h"
 #include "eval/report_json.h"
 #include "eval/report_pictures.h"
 #include "eval/scan_placement.h"
+#include "files/atomic_file.h"
 
 namespace curvereg {
 namespace {

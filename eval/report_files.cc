@@ -7,9 +7,9 @@
 #include <span>
 #include <utility>
 
-#include "client/files/cloud_file.h"
-#include "client/files/trajectory_file.h"
 #include "core/mapping/point_map.h"
+#include "files/cloud_file.h"
+#include "files/trajectory_file.h"
 
 namespace curvereg {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
 #include "eval/dataset.h"
 #include "eval/report.h"
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/files/result_json.h"
+#include "files/result_json.h"
 
 namespace curvereg {
 namespace {

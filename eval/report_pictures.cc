@@ -6,7 +6,7 @@
 #include <sstream>
 #include <vector>
 
-#include "client/files/atomic_file.h"
+#include "files/atomic_file.h"
 
 namespace curvereg {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 
 namespace curvereg {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
 
 namespace curvereg {
 

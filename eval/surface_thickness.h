@@ -12,9 +12,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/rigid_transform.h"
 #include "core/mapping/cell_grid.h"
-#include "core/rigid_transform.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 
 namespace curvereg {
 

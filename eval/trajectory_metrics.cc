@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/rigid_fit.h"
+#include "core/pose/rigid_fit.h"
 #include "eval/distribution.h"
 
 namespace curvereg {

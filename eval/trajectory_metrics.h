@@ -11,7 +11,7 @@
 #include <span>
 
 #include "absl/status/statusor.h"
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
 
 namespace curvereg {
 

@@ -8,12 +8,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/files/atomic_file.h"
-#include "client/files/result_json.h"
 #include "eval/distribution.h"
 #include "eval/report_files.h"
 #include "eval/report_html.h"
 #include "eval/report_pictures.h"
+#include "files/atomic_file.h"
+#include "files/result_json.h"
 
 namespace curvereg {
 namespace {

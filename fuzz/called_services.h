@@ -13,16 +13,16 @@
 #include <memory>
 #include <string>
 
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "curvereg/v1/traverse_service.pb.h"
 #include "server/access/access.h"
+#include "server/maps/map_builder.h"
 #include "server/operations/metrics.h"
+#include "server/preparation/prepared_scan_cache.h"
 #include "server/scans/scan_service.h"
 #include "server/scheduling/memory_budget.h"
-#include "server/scheduling/prepared_scan_cache.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/store/scan_store.h"
-#include "server/traverses/map_builder.h"
 #include "server/traverses/traverse_service.h"
 #include "server/traverses/traverses.h"
 

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "client/files/cloud_file.h"
+#include "files/cloud_file.h"
 
 namespace curvereg {
 

@@ -13,9 +13,9 @@
 #include "fuzz/memory_scan_store.h"
 #include "fuzz/request_checks.h"
 #include "server/operations/metrics.h"
+#include "server/preparation/prepared_scan_cache.h"
+#include "server/preparation/scan_side.h"
 #include "server/registration/registration_service.h"
-#include "server/registration/scan_side.h"
-#include "server/scheduling/prepared_scan_cache.h"
 #include "wire/conversion.h"
 #include "wire/error.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "client/files/trajectory_file.h"
+#include "files/trajectory_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   const auto poses = curvereg::ParseTrajectory(std::string_view(reinterpret_cast<const char*>(data), size));

@@ -5,9 +5,9 @@
 #ifndef CURVEREG_RENDER_CLOUD_PICTURES_H_
 #define CURVEREG_RENDER_CLOUD_PICTURES_H_
 
-#include "core/image.h"
-#include "core/rigid_transform.h"
-#include "core/scan.h"
+#include "core/base/image.h"
+#include "core/base/rigid_transform.h"
+#include "core/scan/scan.h"
 #include "render/png.h"
 
 namespace curvereg {

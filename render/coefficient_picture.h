@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "core/curvelet_coefficients.h"
-#include "core/image.h"
+#include "core/base/image.h"
+#include "core/curvelet/curvelet_coefficients.h"
 
 namespace curvereg {
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "core/image.h"
+#include "core/base/image.h"
 
 namespace curvereg {
 

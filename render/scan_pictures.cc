@@ -6,11 +6,11 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
-#include "core/curvelet_transform.h"
-#include "core/image_conditioning.h"
-#include "core/paper_features.h"
-#include "core/prepared_scan.h"
-#include "core/scale_bands.h"
+#include "core/curvelet/curvelet_transform.h"
+#include "core/curvelet/scale_bands.h"
+#include "core/features/paper_features.h"
+#include "core/methods/prepared_scan.h"
+#include "core/views/image_conditioning.h"
 #include "render/coefficient_picture.h"
 #include "render/stage_pictures.h"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/scan.h"
-#include "core/stop.h"
+#include "core/base/stop.h"
+#include "core/scan/scan.h"
 #include "render/png.h"
 
 namespace curvereg {

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/image.h"
-#include "core/keypoints.h"
+#include "core/base/image.h"
+#include "core/features/keypoints.h"
 #include "render/png.h"
 
 namespace curvereg {

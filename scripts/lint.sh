@@ -65,7 +65,7 @@ tests_mirror_sources() {
 }
 
 hidden_state() {  # state that outlives a call: mutable statics and thread-locals, in the core and what it is called by
-  # The exceptions: in core/parallel.cc a thread remembers the limit it runs under; core/fft.cc holds the lock of FFTW's
+  # The exceptions: in core/base/parallel.cc a thread remembers the limit it runs under; core/curvelet/fft.cc holds the lock of FFTW's
   # planner and the plans, which every call shares and none can tell apart.
   tracked 'core/*.h' 'core/*.cc' 'client/*.cc' 'sim/*.cc' 'eval/*.cc' | grep -vE '^core/(parallel|fft).cc$' | xargs -r grep -nE \
     '^\s*(inline )?(static|thread_local) ([^(]*(=|;)|.*\bthread_local\b)' | grep -vE 'static (inline )?(const|constexpr)\b'

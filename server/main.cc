@@ -19,19 +19,19 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/atomic_file.h"
 #include "core/register_scans.h"
+#include "files/atomic_file.h"
+#include "program/heap_tuning.h"
+#include "program/termination_signals.h"
 #include "server/access/access.h"
 #include "server/access/token_file.h"
-#include "server/heap_tuning.h"
+#include "server/command_line.h"
 #include "server/operations/grpc_log.h"
 #include "server/operations/logging.h"
 #include "server/server.h"
-#include "server/settings/command_line.h"
 #include "server/settings/config_sources.h"
 #include "server/settings/settings.h"
 #include "server/settings/small_file.h"
-#include "server/termination_signals.h"
 
 namespace curvereg::server {
 namespace {

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "core/image.h"
+#include "core/base/image.h"
 
 namespace curvereg::sim {
 

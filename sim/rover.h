@@ -11,7 +11,7 @@
 #include <array>
 #include <optional>
 
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
 #include "sim/world.h"
 
 namespace curvereg::sim {

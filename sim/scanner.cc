@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "sim/random.h"
 
 namespace curvereg::sim {

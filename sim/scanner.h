@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "core/rigid_transform.h"
-#include "core/scan.h"
+#include "core/base/rigid_transform.h"
+#include "core/scan/scan.h"
 #include "sim/scan_pattern.h"
 #include "sim/world.h"
 

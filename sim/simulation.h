@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/rigid_transform.h"
-#include "core/scan.h"
+#include "core/base/rigid_transform.h"
+#include "core/scan/scan.h"
 #include "sim/simulation_options.h"
 #include "sim/world.h"
 
@@ -31,7 +31,7 @@ class Simulation {
   const RigidTransform& T_world_scan(int index) const { return T_world_scan_[static_cast<std::size_t>(index)]; }
   const World& world(int index) const { return *worlds_[static_cast<std::size_t>(index) % worlds_.size()]; }
 
-  // The scan, in parallel over beams (core/parallel.h). The same bytes each time and at any thread count.
+  // The scan, in parallel over beams (core/base/parallel.h). The same bytes each time and at any thread count.
   Scan ScanAt(int index) const;
 
   // Pairs (source, target) of scans that share no ground; empty unless options.strangers is set.

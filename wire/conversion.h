@@ -7,8 +7,8 @@
 #define CURVEREG_WIRE_CONVERSION_H_
 
 #include "absl/status/statusor.h"
-#include "core/registration_options.h"
-#include "core/registration_result.h"
+#include "core/methods/registration_options.h"
+#include "core/methods/registration_result.h"
 #include "curvereg/v1/geometry.pb.h"
 #include "curvereg/v1/registration.pb.h"
 

@@ -18,7 +18,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "core/simd.h"
+#include "core/base/simd.h"
 #include "wire/error.h"
 
 namespace curvereg::wire {

@@ -6,7 +6,7 @@
 #define CURVEREG_WIRE_EVIDENCE_CONVERSION_H_
 
 #include "absl/status/statusor.h"
-#include "core/registration_result.h"
+#include "core/methods/registration_result.h"
 #include "curvereg/v1/registration.pb.h"
 
 namespace curvereg::wire {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clouds to and from packed bytes. Frame and unit of points as in core/scan.h.
+// Clouds to and from packed bytes. Frame and unit of points as in core/scan/scan.h.
 #ifndef CURVEREG_WIRE_POINT_CODEC_H_
 #define CURVEREG_WIRE_POINT_CODEC_H_
 
@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "curvereg/v1/point_cloud.pb.h"
 #include "wire/cloud_header.h"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions as integers, see v1.Quantization. Frame and unit of points as in core/scan.h. The integers are written
+// Positions as integers, see v1.Quantization. Frame and unit of points as in core/scan/scan.h. The integers are written
 // shuffled: with b bytes per coordinate and n points, byte k of axis a of point i is planes[(a * b + k) * n + i].
 #ifndef CURVEREG_WIRE_QUANTIZATION_H_
 #define CURVEREG_WIRE_QUANTIZATION_H_

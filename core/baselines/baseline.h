@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the paper's two rivals share: options, result, limits. Both are made of PCL's parts and know no verdict: they
-// answer the pose that their last step, ICP, ends with. Frames and units as in core/scan.h.
+// answer the pose that their last step, ICP, ends with. Frames and units as in core/scan/scan.h.
 //
 // Cost: minutes per pair of 200k-point scans, on one thread; they exist to be compared with, not to be used.
 // Determinism: same scans, options and seed, same bytes. Nothing is drawn from PCL's or the process's shared
@@ -17,9 +17,9 @@
 #include <optional>
 
 #include "absl/status/status.h"
-#include "core/registration_result.h"
-#include "core/rigid_transform.h"
-#include "core/stop.h"
+#include "core/base/rigid_transform.h"
+#include "core/base/stop.h"
+#include "core/methods/registration_result.h"
 
 namespace curvereg {
 

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/baselines/baseline.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 
 namespace curvereg {
 

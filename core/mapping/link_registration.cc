@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "core/base/stop_status.h"
 #include "core/register_scans.h"
-#include "core/stop_status.h"
 
 namespace curvereg {
 

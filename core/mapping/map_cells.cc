@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/stop_status.h"
 #include "core/mapping/cell_grid.h"
 #include "core/mapping/cell_store.h"
 #include "core/mapping/seen_through.h"
 #include "core/mapping/tile_index.h"
-#include "core/stop_status.h"
 
 namespace curvereg {
 namespace {

@@ -13,8 +13,8 @@
 #include <span>
 
 #include "absl/status/status.h"
+#include "core/base/stop.h"
 #include "core/mapping/point_map.h"
-#include "core/stop.h"
 
 namespace curvereg {
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <set>
 
+#include "core/base/stop_status.h"
 #include "core/mapping/link_registration.h"
-#include "core/pose_hypotheses.h"
-#include "core/stop_status.h"
+#include "core/pose/pose_hypotheses.h"
 
 namespace curvereg {
 

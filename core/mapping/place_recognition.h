@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/features/view_features.h"
 #include "core/mapping/tracking.h"
-#include "core/view_features.h"
 
 namespace curvereg {
 

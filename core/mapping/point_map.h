@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/rigid_transform.h"
-#include "core/scan.h"
-#include "core/stop.h"
+#include "core/base/rigid_transform.h"
+#include "core/base/stop.h"
+#include "core/scan/scan.h"
 
 namespace curvereg {
 

@@ -9,11 +9,11 @@
 #include <string>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/mapping/pose_graph_bridges.h"
 #include "core/mapping/pose_graph_kernel.h"
 #include "core/mapping/pose_graph_least_squares.h"
 #include "core/mapping/pose_graph_start.h"
-#include "core/parallel.h"
 
 namespace curvereg {
 namespace {

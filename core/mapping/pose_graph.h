@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/rigid_transform.h"
-#include "core/stop.h"
+#include "core/base/rigid_transform.h"
+#include "core/base/stop.h"
 
 namespace curvereg {
 

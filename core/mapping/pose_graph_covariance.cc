@@ -5,7 +5,7 @@
 #include <Eigen/SparseCholesky>
 #include <cassert>
 
-#include "core/stop_status.h"
+#include "core/base/stop_status.h"
 
 namespace curvereg {
 namespace {

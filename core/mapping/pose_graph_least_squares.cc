@@ -9,11 +9,11 @@
 #include <deque>
 #include <utility>
 
+#include "core/base/parallel.h"
+#include "core/base/stop_status.h"
 #include "core/mapping/pose_graph_covariance.h"
 #include "core/mapping/pose_graph_residual.h"
 #include "core/mapping/pose_graph_start.h"
-#include "core/parallel.h"
-#include "core/stop_status.h"
 
 namespace curvereg {
 namespace {

@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "core/base/rigid_transform.h"
 #include "core/mapping/pose_graph.h"
-#include "core/rigid_transform.h"
 
 namespace curvereg {
 

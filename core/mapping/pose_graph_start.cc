@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/mapping/pose_graph_residual.h"
-#include "core/parallel.h"
 
 namespace curvereg {
 namespace {

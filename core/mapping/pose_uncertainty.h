@@ -11,7 +11,7 @@
 
 #include "core/mapping/pose_graph.h"
 #include "core/mapping/trajectory.h"
-#include "core/registration_options.h"
+#include "core/methods/registration_options.h"
 
 namespace curvereg {
 

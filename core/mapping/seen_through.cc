@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 
 namespace curvereg {
 namespace {

@@ -2,19 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Which cells of a map other scans saw through: what moved, or was never there. Every scan near enough votes on every
-// cell by what its beams passed through (core/free_space.h); one scan's free space is held at a time.
+// cell by what its beams passed through (core/scan/free_space.h); one scan's free space is held at a time.
 #ifndef CURVEREG_CORE_MAPPING_SEEN_THROUGH_H_
 #define CURVEREG_CORE_MAPPING_SEEN_THROUGH_H_
 
 #include <cstdint>
 #include <vector>
 
-#include "core/free_space.h"
+#include "core/base/rigid_transform.h"
+#include "core/base/stop.h"
 #include "core/mapping/cell_grid.h"
 #include "core/mapping/cell_store.h"
-#include "core/rigid_transform.h"
-#include "core/scan.h"
-#include "core/stop.h"
+#include "core/scan/free_space.h"
+#include "core/scan/scan.h"
 
 namespace curvereg {
 

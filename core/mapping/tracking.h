@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/stop.h"
 #include "core/mapping/pose_graph.h"
 #include "core/mapping/trajectory.h"
-#include "core/prepared_scan.h"
-#include "core/registration_options.h"
-#include "core/stop.h"
+#include "core/methods/prepared_scan.h"
+#include "core/methods/registration_options.h"
 
 namespace curvereg {
 

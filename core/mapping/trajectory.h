@@ -10,9 +10,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/registration_options.h"
-#include "core/registration_result.h"
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
+#include "core/methods/registration_options.h"
+#include "core/methods/registration_result.h"
 
 namespace curvereg {
 

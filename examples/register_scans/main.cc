@@ -10,7 +10,7 @@
 #include <functional>
 
 #include "client/client.h"
-#include "client/files/cloud_file.h"
+#include "files/cloud_file.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "core/registration_result.h"
+#include "core/methods/registration_result.h"
 #include "curvereg/v1/traverse_service.pb.h"
 
 namespace curvereg::server {

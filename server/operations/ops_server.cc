@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/settings/listen_address.h"
+#include "wire/listen_address.h"
 
 namespace curvereg::server {
 namespace {

@@ -8,10 +8,10 @@
 #include <chrono>
 #include <optional>
 
-#include "core/registration_options.h"
-#include "core/registration_result.h"
-#include "server/registration/computing_call.h"
-#include "server/registration/scan_side.h"
+#include "core/methods/registration_options.h"
+#include "core/methods/registration_result.h"
+#include "server/preparation/scan_side.h"
+#include "server/rpc/computing_call.h"
 
 namespace curvereg::server {
 

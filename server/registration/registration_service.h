@@ -6,10 +6,10 @@
 #define CURVEREG_SERVER_REGISTRATION_REGISTRATION_SERVICE_H_
 
 #include "curvereg/v1/registration_service.grpc.pb.h"
-#include "server/call.h"
-#include "server/checked_service.h"
+#include "server/preparation/prepared_scan_cache.h"
+#include "server/rpc/call.h"
+#include "server/rpc/checked_service.h"
 #include "server/scheduling/memory_budget.h"
-#include "server/scheduling/prepared_scan_cache.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
 #include "server/store/scan_store.h"

@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "wire/conversion.h"
 #include "wire/error.h"
 

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "render/scan_pictures.h"
-#include "server/registration/computing_call.h"
-#include "server/registration/scan_side.h"
+#include "server/preparation/scan_side.h"
+#include "server/rpc/computing_call.h"
 
 namespace curvereg::server {
 

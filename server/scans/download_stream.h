@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "curvereg/v1/scan_service.pb.h"
-#include "server/call.h"
-#include "server/response_stream.h"
+#include "server/rpc/call.h"
+#include "server/rpc/response_stream.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
 #include "server/store/scan_store.h"

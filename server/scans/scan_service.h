@@ -6,14 +6,14 @@
 #define CURVEREG_SERVER_SCANS_SCAN_SERVICE_H_
 
 #include "curvereg/v1/scan_service.grpc.pb.h"
-#include "server/call.h"
-#include "server/checked_service.h"
+#include "server/preparation/prepared_scan_cache.h"
+#include "server/rpc/call.h"
+#include "server/rpc/checked_service.h"
+#include "server/rpc/unary_disk_call.h"
 #include "server/scans/download_stream.h"
-#include "server/scans/unary_disk_call.h"
 #include "server/scans/upload_session.h"
 #include "server/scans/upload_stream.h"
 #include "server/scheduling/memory_budget.h"
-#include "server/scheduling/prepared_scan_cache.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
 #include "server/store/scan_store.h"

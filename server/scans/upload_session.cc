@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "server/scans/scan_conversion.h"
 #include "wire/digest.h"
 #include "wire/error.h"

@@ -18,7 +18,7 @@
 #include <unordered_map>
 
 #include "absl/status/statusor.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "curvereg/v1/scan_service.pb.h"
 #include "server/operations/metrics.h"
 #include "server/scans/upload_message.h"

@@ -9,8 +9,8 @@
 
 #include "absl/status/statusor.h"
 #include "curvereg/v1/scan_service.pb.h"
-#include "server/call.h"
-#include "server/chunk_stream.h"
+#include "server/rpc/call.h"
+#include "server/rpc/chunk_stream.h"
 #include "server/scans/upload_message.h"
 #include "server/scans/upload_session.h"
 #include "server/scheduling/worker_pool.h"

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "client/files/file_bytes.h"
+#include "files/file_bytes.h"
 
 namespace curvereg::server {
 namespace {

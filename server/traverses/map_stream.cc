@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "curvereg/v1/traverse_service.grpc.pb.h"
 #include "wire/digest.h"
 #include "wire/error.h"

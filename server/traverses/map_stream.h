@@ -11,11 +11,11 @@
 #include <optional>
 
 #include "curvereg/v1/traverse_service.pb.h"
-#include "server/call.h"
-#include "server/response_stream.h"
+#include "server/maps/map_builder.h"
+#include "server/rpc/call.h"
+#include "server/rpc/response_stream.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
-#include "server/traverses/map_builder.h"
 #include "server/traverses/traverses.h"
 
 namespace curvereg::server {

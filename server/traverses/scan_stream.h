@@ -11,8 +11,8 @@
 
 #include "absl/status/statusor.h"
 #include "curvereg/v1/traverse_service.pb.h"
-#include "server/call.h"
-#include "server/chunk_stream.h"
+#include "server/rpc/call.h"
+#include "server/rpc/chunk_stream.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/traverses/scan_stream_session.h"
 

@@ -7,11 +7,11 @@
 #define CURVEREG_SERVER_TRAVERSES_TRAVERSE_SERVICE_H_
 
 #include "curvereg/v1/traverse_service.grpc.pb.h"
-#include "server/call.h"
-#include "server/checked_service.h"
-#include "server/scans/unary_disk_call.h"
+#include "server/maps/map_builder.h"
+#include "server/rpc/call.h"
+#include "server/rpc/checked_service.h"
+#include "server/rpc/unary_disk_call.h"
 #include "server/scans/upload_session.h"
-#include "server/traverses/map_builder.h"
 #include "server/traverses/map_stream.h"
 #include "server/traverses/scan_stream.h"
 #include "server/traverses/traverses.h"

@@ -16,13 +16,13 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/stop.h"
 #include "core/mapping/trajectory.h"
-#include "core/stop.h"
 #include "curvereg/v1/traverse_service.pb.h"
 #include "server/operations/logging.h"
 #include "server/operations/metrics.h"
+#include "server/preparation/prepared_scan_cache.h"
 #include "server/scheduling/memory_budget.h"
-#include "server/scheduling/prepared_scan_cache.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
 #include "server/store/scan_store.h"

@@ -13,8 +13,8 @@
 #include <stop_token>
 
 #include "curvereg/v1/traverse_service.pb.h"
-#include "server/call.h"
-#include "server/response_stream.h"
+#include "server/rpc/call.h"
+#include "server/rpc/response_stream.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/traverses/traverses.h"
 

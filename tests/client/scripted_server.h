@@ -16,7 +16,7 @@
 
 #include "absl/status/status.h"
 #include "client/client.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "curvereg/v1/error_reason.pb.h"
 #include "curvereg/v1/registration_service.grpc.pb.h"
 #include "curvereg/v1/scan_service.grpc.pb.h"

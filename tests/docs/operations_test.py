@@ -79,7 +79,7 @@ class Documents(unittest.TestCase):
             self.assertEqual(told[event], set(re.findall(r'\{"(\w+)",', fields)), event)
 
     def test_options_of_the_client(self):
-        code = (ROOT / "client/cli/service_access.cc").read_text()
+        code = (ROOT / "cli/service_access.cc").read_text()
         section = DOCUMENT.split("**Clients.**")[1].split("\n## ")[0]
         told = set(re.findall(r"`--([a-z-]+)", section))
         self.assertEqual(told, set(re.findall(r'_(?:option|flag)\("--([a-z-]+)', code)))

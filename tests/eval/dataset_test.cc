@@ -9,7 +9,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/trajectory_file.h"
+#include "files/trajectory_file.h"
 #include "tests/testing/corrupt_files.h"
 #include "tests/testing/ordinary_user.h"
 #include "tests/testing/test_data.h"

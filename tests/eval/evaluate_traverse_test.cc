@@ -11,8 +11,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/trajectory_file.h"
 #include "eval/traverse_evaluation_report.h"
+#include "files/trajectory_file.h"
 #include "sim/presets.h"
 #include "sim/simulation.h"
 #include "tests/testing/test_data.h"

@@ -15,9 +15,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/files/cloud_file.h"
 #include "eval/report_html.h"
 #include "eval/report_json.h"
+#include "files/cloud_file.h"
 #include "tests/testing/test_data.h"
 
 namespace curvereg {

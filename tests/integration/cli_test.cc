@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/files/trajectory_file.h"
+#include "files/trajectory_file.h"
 #include "tests/testing/run_command.h"
 #include "tests/testing/test_data.h"
 

@@ -11,7 +11,7 @@
 #include <set>
 #include <thread>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "core/register_scans.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/result_bytes.h"

@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/cloud_file.h"
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
+#include "files/cloud_file.h"
 #include "server/server.h"
 #include "tests/testing/scenes.h"
 #include "tests/testing/test_data.h"

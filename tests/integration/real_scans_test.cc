@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "client/files/cloud_file.h"
 #include "eval/dataset.h"
+#include "files/cloud_file.h"
 #include "tests/testing/evaluation.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/scenes.h"

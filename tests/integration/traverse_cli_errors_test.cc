@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/files/trajectory_file.h"
+#include "files/trajectory_file.h"
 #include "tests/testing/command_line_test.h"
 
 namespace curvereg {

@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/files/cloud_file.h"
-#include "client/files/trajectory_file.h"
+#include "files/cloud_file.h"
+#include "files/trajectory_file.h"
 #include "tests/testing/command_line_test.h"
 
 namespace curvereg {

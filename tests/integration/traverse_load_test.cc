@@ -22,8 +22,8 @@
 #include <gtest/gtest.h>
 
 #include "client/traverses.h"
-#include "core/parallel.h"
-#include "core/prepared_scan.h"
+#include "core/base/parallel.h"
+#include "core/methods/prepared_scan.h"
 #include "core/register_scans.h"
 #include "sim/presets.h"
 #include "sim/simulation.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/curvelet_transform.h"
+#include "core/curvelet/curvelet_transform.h"
 
 namespace curvereg {
 namespace {

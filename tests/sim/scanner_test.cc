@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "sim/dome_world.h"
 #include "sim/rover.h"
 #include "sim/yard_world.h"

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 
 namespace curvereg::sim {
 namespace {

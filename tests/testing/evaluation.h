@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "core/register_scans.h"
 #include "eval/metrics.h"
 

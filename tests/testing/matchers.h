@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
 
 namespace curvereg::testing {
 

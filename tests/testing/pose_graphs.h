@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/rigid_transform.h"
 #include "core/mapping/pose_graph.h"
-#include "core/rigid_transform.h"
 #include "sim/random.h"
 
 namespace curvereg::testing {

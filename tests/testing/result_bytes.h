@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "core/registration_result.h"
+#include "core/methods/registration_result.h"
 #include "tests/testing/same_bytes.h"
 
 namespace curvereg::testing {

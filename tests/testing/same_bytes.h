@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 
 namespace curvereg::testing {
 

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/rigid_transform.h"
-#include "core/scan.h"
+#include "core/base/rigid_transform.h"
+#include "core/scan/scan.h"
 
 namespace curvereg::testing {
 

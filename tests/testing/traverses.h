@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/mapping/tracking.h"
-#include "core/parallel.h"
 #include "sim/random.h"
 #include "sim/simulation.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "core/rigid_transform.h"
+#include "core/base/rigid_transform.h"
 #include "wire/error.h"
 
 namespace curvereg::wire {

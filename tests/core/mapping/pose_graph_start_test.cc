@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/pose_graphs.h"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <thread>
 
-#include "client/files/atomic_file.h"
+#include "files/atomic_file.h"
 #include "server/access/token_file.h"
 #include "tests/testing/test_data.h"
 #include "wire/error.h"

@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "tests/server/registration/registration_server.h"
 #include "tests/testing/matchers.h"
 #include "wire/conversion.h"

@@ -12,7 +12,7 @@
 #include <future>
 
 #include "absl/strings/str_cat.h"
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "tests/server/scans/scan_server.h"
 #include "tests/testing/matchers.h"
 #include "wire/point_codec.h"

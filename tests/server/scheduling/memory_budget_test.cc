@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "core/register_scans.h"
 #include "render/scan_pictures.h"
 #include "tests/testing/matchers.h"

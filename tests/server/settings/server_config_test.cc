@@ -7,7 +7,7 @@
 
 #include <functional>
 
-#include "server/settings/listen_address.h"
+#include "wire/listen_address.h"
 
 namespace curvereg::server {
 namespace {

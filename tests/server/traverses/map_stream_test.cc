@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 #include "tests/server/traverses/fake_traverses.h"
 #include "tests/server/traverses/stream_server.h"
 #include "tests/testing/matchers.h"

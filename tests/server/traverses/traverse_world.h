@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/scan.h"
+#include "core/scan/scan.h"
 #include "server/traverses/traverses.h"
 #include "tests/server/store/store_testing.h"
 #include "tests/testing/scenes.h"

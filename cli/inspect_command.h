@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// curvereg inspect SCAN
+#ifndef CURVEREG_CLI_INSPECT_COMMAND_H_
+#define CURVEREG_CLI_INSPECT_COMMAND_H_
+
+#include "cli/cli_context.h"
+
+namespace curvereg::cli {
+
+Command AddInspectCommand(CLI::App& app);
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLI_INSPECT_COMMAND_H_

@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/map_command.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "cli/argument_parsing.h"
+#include "cli/progress_bar.h"
+#include "cli/traverse_arguments.h"
+#include "client/traverses.h"
+#include "files/atomic_file.h"
+#include "files/cloud_file.h"
+
+namespace curvereg::cli {
+namespace {
+
+struct Arguments {
+  TraverseArguments traverse;
+  std::string out;
+  MapOptions map;
+};
+
+constexpr char kNotes[] =
+    R"(.pcd, .ply and the other endings of clouds: points, one per cell. .asc: heights, an ESRI ASCII grid. In the frame of the
+segment, metres. Cuts of the link are mended.
+
+Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output, 4 server unreachable or it refused.
+
+Examples:
+  curvereg map sol-12 --out sol-12.ply --cell 0.05 --remove-seen-through --server ground-station:50051
+  curvereg map sol-12 --out sol-12.asc --cell 0.2 --server ground-station:50051)";
+
+bool IsGrid(const std::string& path) {
+  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string()) == ".asc";
+}
+
+absl::Status CheckOutput(const std::string& path) {
+  if (absl::Status status = CheckOutputFile(path); !status.ok()) return status;
+  if (IsGrid(path) || HasWritableCloudEnding(path)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": cannot be written; expected .pcd, .ply, .asc, .bin, .xyz, .csv or .txt"));
+}
+
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
+  if (const absl::Status output = CheckOutput(arguments.out); !output.ok()) return ReportError(output);
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere, context);
+  if (!service.ok()) return ReportError(service.status());
+  absl::StatusOr<RemoteMap> map;
+  {
+    ProgressBar bar("downloading");
+    MapOptions options = arguments.map;
+    options.kind = IsGrid(arguments.out) ? MapOptions::Kind::kElevationAscii : MapOptions::Kind::kPoints;
+    options.cancellation = context.interrupted;
+    options.progress = [&bar](const TransferProgress& progress) {
+      bar.Update(static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total));
+    };
+    map = service->client().traverses().DownloadMap(TraverseName(arguments.traverse.id), options);
+  }
+  if (!map.ok()) return ReportError(map.status());
+  const absl::Status written = IsGrid(arguments.out)
+                                   ? WriteFileAtomically(arguments.out, map->text)
+                                   : WriteCloudFile(arguments.out, {std::move(map->points), std::nullopt});
+  if (!written.ok()) return ReportError(written);
+  return PrintAnswer(arguments.traverse,
+                     {{"file", arguments.out}, {"version", map->version}, {"num_cells", map->num_cells}},
+                     absl::StrCat(arguments.out, "  ", map->num_cells, " cells\n"));
+}
+
+}  // namespace
+
+Command AddMapCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("map", "Fetch the map of a traverse");
+  command->add_option("ID", arguments->traverse.id, "The traverse")->required();
+  command->add_option("--out", arguments->out, "File to write: .pcd or .ply (points), .asc (heights)")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--cell", arguments->map.cell_m, "Edge of a cell [m]")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str()
+      ->type_name("M");
+  command->add_option("--segment", arguments->map.segment, "Segment to map")
+      ->check(CLI::Range(0, 1 << 30))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_flag("--remove-seen-through", arguments->map.remove_seen_through,
+                    "Leave out points that other scans saw through");
+  AddTraverseOptions(*command, arguments->traverse, "Print one JSON object and nothing else");
+  command->footer(kNotes);
+  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+}
+
+}  // namespace curvereg::cli

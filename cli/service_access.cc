@@ -1,0 +1,223 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/service_access.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <stop_token>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "cli/argument_parsing.h"
+#include "cli/progress_bar.h"
+#include "cli/scan_folder.h"
+#include "files/file_bytes.h"
+#include "wire/listen_address.h"
+
+namespace curvereg::cli {
+namespace {
+
+// Two scans of this size pass any server's limit on messages; larger ones are better sent so that a cut does not lose
+// them.
+constexpr std::size_t kMaxInlinePoints = 1'000'000;
+constexpr uint64_t kMaxTokenBytes = 4096;
+constexpr std::chrono::seconds kQuietWait(1);    // for a connection, before we tell what we wait for
+constexpr std::chrono::seconds kCleanUpTime(3);  // for each scan to delete; a server that is gone is not waited for
+
+// A token on the command line would be seen by everybody on the machine: file or environment only.
+absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
+  if (arguments.token_file.empty()) {
+    const char* token = std::getenv("CURVEREG_TOKEN");
+    return std::string(token == nullptr ? "" : token);
+  }
+  const absl::StatusOr<FileBytes> bytes = ReadFileBytes(arguments.token_file, kMaxTokenBytes);
+  if (!bytes.ok()) return absl::Status(bytes.status().code(), absl::StrCat("--token-file: ", bytes.status().message()));
+  std::string token(absl::StripAsciiWhitespace(std::string(bytes->view())));
+  if (!token.empty()) return token;
+  return absl::InvalidArgumentError(absl::StrCat("--token-file: ", arguments.token_file, ": holds no token"));
+}
+
+// gRPC takes a port modulo 65536, 0 for what is no number, and "http://..." for a host.
+absl::Status CheckServer(const std::string& server) {
+  for (const char* scheme : {"dns:", "ipv4:", "ipv6:", "unix:", "unix-abstract:"}) {
+    if (absl::StartsWith(server, scheme)) return absl::OkStatus();  // a name of gRPC's own, which it checks itself
+  }
+  const absl::StatusOr<server::ListenAddress> address = server::ParseListenAddress(server);
+  if (address.ok() && address->port != 0 && !absl::StrContains(server, '/')) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--server: ", server, ": expected HOST:PORT, the port from 1 to 65535, IPv6 addresses in brackets"));
+}
+
+// Tells what is waited for, if that takes long.
+class WaitNotice {
+ public:
+  explicit WaitNotice(const std::string& server)
+      : thread_([server](const std::stop_token& over) {
+          SleepOrStop(kQuietWait, over);
+          if (over.stop_requested()) return;
+          std::fprintf(stderr, "curvereg: waiting for %s, which does not answer yet\n", server.c_str());
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+// A server that wants TLS, or a certificate, hangs up on who comes without, and gRPC tells no more than that.
+absl::Status WithAdvice(const absl::Status& error, const TlsOptions& tls) {
+  const char* advice = "";
+  if (absl::StrContains(error.message(), "Socket closed")) {
+    if (!tls.enabled) advice = "; if the server speaks TLS, give --tls or --tls-ca";
+    if (tls.enabled && tls.certificate_file.empty()) {
+      advice = "; if the server asks for a certificate, give --tls-cert and --tls-key";
+    }
+  } else if (absl::StrContains(error.message(), "wrong version number")) {
+    advice = "; if the server speaks plain text, leave out --tls, --tls-ca and --tls-cert";
+  }
+  return absl::Status(error.code(), absl::StrCat(error.message(), advice));
+}
+
+absl::StatusOr<std::unique_ptr<Client>> Connect(const std::string& server, const ClientOptions& options,
+                                                const CliContext& context) {
+  if (absl::Status status = CheckServer(server); !status.ok()) return status;
+  const WaitNotice notice(server);
+  absl::StatusOr<std::unique_ptr<Client>> client = Client::Connect(server, options, context.interrupted);
+  if (absl::IsUnavailable(client.status())) return WithAdvice(client.status(), options.tls);
+  return client;
+}
+
+absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
+  const absl::StatusOr<std::string> token = TokenOf(arguments);
+  if (!token.ok()) return token.status();
+  ClientOptions options;
+  options.token = *token;
+  options.call_timeout = std::chrono::milliseconds(static_cast<int64_t>(std::ceil(arguments.timeout_s * 1e3)));
+  options.connect_timeout = std::min(options.connect_timeout, options.call_timeout);
+  options.tls = {.enabled = arguments.tls || !arguments.ca.empty() || !arguments.certificate.empty(),
+                 .ca_file = arguments.ca,
+                 .certificate_file = arguments.certificate,
+                 .key_file = arguments.key,
+                 .server_name = arguments.server_name};
+  return options;
+}
+
+}  // namespace
+
+void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
+  const std::string group = "Server";
+  command.add_option("--server", arguments.server, "Ask this server; without it, or empty, this process does the work")
+      ->envname("CURVEREG_SERVER")
+      ->type_name("HOST:PORT")
+      ->group(group);
+  command
+      .add_option("--token-file", arguments.token_file, "File with the bearer token; else the variable CURVEREG_TOKEN")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_flag("--tls", arguments.tls, "Encrypt; implied by the next two")->envname("CURVEREG_TLS")->group(group);
+  command.add_option("--tls-ca", arguments.ca, "PEM of the authority that signed the server; else the system's")
+      ->envname("CURVEREG_TLS_CA")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--tls-cert", arguments.certificate, "PEM certificate of this client, for mutual TLS")
+      ->envname("CURVEREG_TLS_CERT")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--tls-key", arguments.key, "PEM key of that certificate")
+      ->envname("CURVEREG_TLS_KEY")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--tls-server-name", arguments.server_name, "Name in the server's certificate, if not HOST")
+      ->envname("CURVEREG_TLS_SERVER_NAME")
+      ->type_name("NAME")
+      ->group(group);
+  command
+      .add_option("--timeout", arguments.timeout_s, "Seconds for a call with its retries; connecting takes at most 10")
+      ->check(CheckSeconds)
+      ->capture_default_str()
+      ->group(group);
+}
+
+ServiceAccess::~ServiceAccess() {
+  if (client_ == nullptr) return;
+  for (const std::string& name : temporary_) {
+    const absl::Status status = client_->DeleteScan(name, {{}, std::chrono::steady_clock::now() + kCleanUpTime});
+    if (status.ok()) continue;
+    ReportWarning(absl::StrCat(name, ": stays on the server: ", status.message()));
+    return;  // one line is enough when the server is gone
+  }
+}
+
+absl::StatusOr<ServiceAccess> ServiceAccess::Open(const ServerArguments& arguments, const CliContext& context) {
+  return OpenWith(
+      arguments, [] { return server::Server::StartInProcess(server::ServerConfig()); }, context);
+}
+
+absl::StatusOr<ServiceAccess> ServiceAccess::OpenWithData(const ServerArguments& arguments, const std::string& data_dir,
+                                                          const CliContext& context) {
+  const auto start_local = [&data_dir] {
+    server::ServerConfig config;
+    config.data_dir = data_dir;
+    config.log.level = "error";
+    config.drain_delay_ms = 0;
+    auto started = server::Server::StartWithoutPort(config);
+    if (!absl::IsUnavailable(started.status())) return started;
+    return decltype(started)(absl::FailedPreconditionError(absl::StrCat("--data-dir: ", started.status().message())));
+  };
+  return OpenWith(arguments, start_local, context);
+}
+
+absl::StatusOr<ServiceAccess> ServiceAccess::OpenWith(const ServerArguments& arguments, const StartLocal& start_local,
+                                                      const CliContext& context) {
+  ServiceAccess service;
+  const absl::StatusOr<ClientOptions> options = OptionsOf(arguments);
+  if (!options.ok()) return options.status();
+  if (!arguments.server.empty()) {
+    absl::StatusOr<std::unique_ptr<Client>> client = Connect(arguments.server, *options, context);
+    if (!client.ok()) return client.status();
+    service.client_ = *std::move(client);
+    return service;
+  }
+  absl::StatusOr<std::unique_ptr<server::Server>> local = start_local();
+  if (!local.ok()) return local.status();
+  service.local_ = *std::move(local);
+  // Nobody waits for this process but its user, who can interrupt it.
+  ClientOptions patient = *options;
+  patient.call_timeout = std::chrono::hours(24 * 30);
+  service.client_ = Client::OverChannel(service.local_->InProcessChannel(), patient);
+  return service;
+}
+
+TransferOptions LosslessTransfer(const CliContext& context) {
+  TransferOptions options;
+  options.encoding.kind = TransferEncoding::Kind::kLossless;
+  options.cancellation = context.interrupted;
+  return options;
+}
+
+bool IsScanName(const std::string& argument) {
+  constexpr std::size_t kDigits = 32;
+  const std::string prefix = "scans/";
+  return argument.size() == prefix.size() + kDigits && argument.compare(0, prefix.size(), prefix) == 0 &&
+         argument.find_first_not_of("0123456789abcdef", prefix.size()) == std::string::npos;
+}
+
+absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan, const CliContext& context) {
+  if (!service.is_remote() || scan.points.size() <= kMaxInlinePoints) return ScanReference(std::cref(scan));
+  ProgressBar bar("uploading");
+  TransferOptions options = LosslessTransfer(context);
+  options.progress = [&](const TransferProgress& progress) {
+    bar.Update(static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total), "");
+  };
+  const absl::StatusOr<UploadOutcome> outcome = service.client().UploadScan(scan, options);
+  if (!outcome.ok()) return outcome.status();
+  if (!outcome->already_stored) service.DeleteAtEnd(outcome->scan.name);
+  return ScanReference(outcome->scan.name);
+}
+
+}  // namespace curvereg::cli

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// curvereg trajectory ID: the poses of a traverse as a file.
+#ifndef CURVEREG_CLI_TRAJECTORY_COMMAND_H_
+#define CURVEREG_CLI_TRAJECTORY_COMMAND_H_
+
+#include "cli/cli_context.h"
+
+namespace curvereg::cli {
+
+Command AddTrajectoryCommand(CLI::App& app);
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLI_TRAJECTORY_COMMAND_H_

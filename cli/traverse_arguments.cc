@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/traverse_arguments.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "files/result_json.h"
+
+namespace curvereg::cli {
+namespace {
+
+constexpr char kPrefix[] = "traverses/";
+
+}  // namespace
+
+void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const std::string& json_help) {
+  command.add_flag("--json", arguments.json, json_help);
+  command.add_option("--data-dir", arguments.data_dir, "Without --server: folder that keeps traverses and scans")
+      ->envname("CURVEREG_DATA_DIR")
+      ->type_name("DIR")
+      ->capture_default_str();
+  AddServerOptions(command, arguments.server);
+}
+
+std::string TraverseName(const std::string& id) { return id.starts_with(kPrefix) ? id : kPrefix + id; }
+
+absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder,
+                                            const CliContext& context) {
+  std::error_code error;
+  const bool is_local = arguments.server.server.empty() && !arguments.data_dir.empty();
+  if (is_local && folder == DataFolder::kIsThere && !std::filesystem::exists(arguments.data_dir, error)) {
+    return absl::NotFoundError(absl::StrCat(arguments.data_dir,
+                                            ": no such data folder; name the one that `stream` made with --data-dir, "
+                                            "or a server with --server"));
+  }
+  return ServiceAccess::OpenWithData(arguments.server, arguments.data_dir, context);
+}
+
+ExitCode PrintAnswer(const TraverseArguments& arguments, const nlohmann::ordered_json& json, const std::string& text) {
+  return PrintResult(arguments.json ? JsonText(json) + "\n" : text);
+}
+
+}  // namespace curvereg::cli

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// curvereg traverse list|show|optimize|delete|report: the traverses that are kept.
+#ifndef CURVEREG_CLI_TRAVERSE_COMMAND_H_
+#define CURVEREG_CLI_TRAVERSE_COMMAND_H_
+
+#include "cli/cli_context.h"
+
+namespace curvereg::cli {
+
+Command AddTraverseCommand(CLI::App& app);
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLI_TRAVERSE_COMMAND_H_

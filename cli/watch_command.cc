@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/watch_command.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "cli/argument_parsing.h"
+#include "cli/traverse_arguments.h"
+#include "cli/traverse_text.h"
+#include "client/traverses.h"
+
+namespace curvereg::cli {
+namespace {
+
+struct Arguments {
+  TraverseArguments traverse;
+  uint64_t first_event = 0;
+  bool once = false;
+};
+
+constexpr char kNotes[] =
+    R"(A row for each scan as it is registered, and a line for all else that happens: poses revised, segments joined, links
+found. Ends at ^C. Cuts of the link are mended; no event is missed or told twice. sigma: the greatest standard deviation
+of the position, relative to the segment's first pose.
+
+Exit status: 0 done (^C is the usual end), 1 internal fault, 2 bad arguments, 4 server unreachable or it refused.
+
+Examples:
+  curvereg watch sol-12 --server ground-station:50051
+  curvereg watch sol-12 --once --json --server ground-station:50051)";
+
+ExitCode Run(const Arguments& arguments, const CliContext& context) {
+  absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere, context);
+  if (!service.ok()) return ReportError(service.status());
+  std::stop_source unread;  // whoever read our output is gone
+  const std::stop_callback interrupt(context.interrupted, [&unread] { unread.request_stop(); });
+  WatchOptions options;
+  options.first_event = arguments.first_event;
+  options.existing_only = arguments.once;
+  options.cancellation = unread.get_token();
+  ExitCode printed = ExitCode::kDone;
+  std::string header = arguments.traverse.json ? "" : ScanResultHeader();
+  const absl::Status watched = service->client().traverses().Watch(
+      TraverseName(arguments.traverse.id), options, [&](const TraverseEvent& event) {
+        if (printed != ExitCode::kDone) return;
+        printed = PrintAnswer(arguments.traverse, EventJson(event), std::exchange(header, "") + EventText(event));
+        if (printed != ExitCode::kDone) unread.request_stop();
+      });
+  if (printed != ExitCode::kDone) return printed;
+  if (watched.ok() || (absl::IsCancelled(watched) && !arguments.once)) return ExitCode::kDone;
+  return ReportError(watched);
+}
+
+}  // namespace
+
+Command AddWatchCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("watch", "Show live what happens on a traverse");
+  command->add_option("ID", arguments->traverse.id, "The traverse")->required();
+  command->add_flag("--once", arguments->once, "Show what has happened so far, and end");
+  command->add_option("--from", arguments->first_event, "Number of the first event to show")
+      ->check(CheckNotNegative)
+      ->type_name("N");
+  AddTraverseOptions(*command, arguments->traverse, "Print one JSON object a line and nothing else");
+  command->footer(kNotes);
+  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+}
+
+}  // namespace curvereg::cli

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// curvereg watch ID: what happens on a traverse, live.
+#ifndef CURVEREG_CLI_WATCH_COMMAND_H_
+#define CURVEREG_CLI_WATCH_COMMAND_H_
+
+#include "cli/cli_context.h"
+
+namespace curvereg::cli {
+
+Command AddWatchCommand(CLI::App& app);
+
+}  // namespace curvereg::cli
+
+#endif  // CURVEREG_CLI_WATCH_COMMAND_H_

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Curvereg authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/preparation/traverse_scans.h"
+
+#include <optional>
+
+#include "server/preparation/scan_side.h"
+#include "server/scans/scan_conversion.h"
+#include "wire/error.h"
+
+namespace curvereg::server {
+
+bool IsLasting(const absl::Status& status) {
+  if (status.ok() || absl::IsCancelled(status) || absl::IsDeadlineExceeded(status)) return false;
+  const std::optional<v1::ErrorReason> reason = wire::ReasonOf(status);
+  return reason != v1::ERROR_REASON_MEMORY_BUDGET && reason != v1::ERROR_REASON_STORAGE_FAULT &&
+         reason != v1::ERROR_REASON_STORAGE_FULL && !absl::IsInternal(status);
+}
+
+TraverseScans::~TraverseScans() {
+  for (const std::string& name : used_) backend_.cache->UpdateSize(name);
+}
+
+absl::StatusOr<std::shared_ptr<const PreparedScan>> TraverseScans::Load(const std::string& scan_id, const Stop& stop) {
+  v1::ScanInput input;
+  input.set_name(ScanName(scan_id));
+  const absl::StatusOr<ScanSide> scan = ScanSide::Find(input, "scan", backend_);
+  if (!scan.ok()) return scan.status();
+  const absl::StatusOr<MemoryBudget::Reservation> reservation = backend_.memory->Reserve(scan->MemoryBytes());
+  if (!reservation.ok()) return reservation.status();
+  absl::StatusOr<std::shared_ptr<const PreparedScan>> prepared = scan->Prepare(stop);
+  if (prepared.ok()) {
+    const std::lock_guard lock(mutex_);
+    used_.insert(input.name());
+  }
+  return prepared;
+}
+
+}  // namespace curvereg::server
