@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/traverse_text.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <variant>
@@ -12,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
+#include "core/base/small_matrices.h"
 #include "files/result_json.h"
 
 namespace curvereg::cli {
@@ -188,8 +188,7 @@ std::optional<Eigen::Matrix3d> PositionCovariance(const TrajectoryPose& pose) {
 std::optional<double> PositionSigma(const TrajectoryPose& pose) {
   const std::optional<Eigen::Matrix3d> covariance = PositionCovariance(pose);
   if (!covariance) return std::nullopt;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(*covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(solver.eigenvalues().maxCoeff(), 0.0));
+  return std::sqrt(std::max(EigenvaluesOf(*covariance).maxCoeff(), 0.0));
 }
 
 std::string ScanResultHeader() {

@@ -11,6 +11,9 @@ function(curvereg_configure target)
   # fused products every instruction set that core/base/simd.h may pick gives the same bytes.
   target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math
                          -ffp-contract=off)
+  # -pthread: gRPC's users get it, so that all get it, for a precompiled header must be compiled as its users are.
+  # -fpch-preprocess: lets ccache keep what was compiled with one.
+  target_compile_options(${target} PRIVATE -pthread $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
   target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>")
   if(CURVEREG_SANITIZER)
     target_compile_options(${target} PRIVATE -fsanitize=${CURVEREG_SANITIZER} -fno-omit-frame-pointer)
@@ -26,22 +29,34 @@ function(curvereg_add_library name)
   curvereg_configure(curvereg_${name})
 endfunction()
 
-# What every test must share with the precompiled header: gRPC's users are compiled with -pthread, and Protobuf's without
-# a macro (proto/CMakeLists.txt says why).
-set(CURVEREG_TEST_OPTIONS -pthread)
-if(CURVEREG_SANITIZER MATCHES thread)
-  list(APPEND CURVEREG_TEST_OPTIONS -U__SANITIZE_THREAD__)
-endif()
+# curvereg_add_precompiled(NAME LIBRARIES ... HEADERS ...): headers that nearly every source of a layer parses, parsed
+# once. curvereg_precompile(TARGET NAME) lets a target use them. Sources still include what they use:
+# -D CMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without.
+function(curvereg_add_precompiled name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES;HEADERS" ${ARGN})
+  add_library(curvereg_${name}_headers OBJECT "${PROJECT_SOURCE_DIR}/cmake/precompiled.cc")
+  curvereg_configure(curvereg_${name}_headers)
+  target_link_libraries(curvereg_${name}_headers PRIVATE ${ARG_LIBRARIES})
+  target_precompile_headers(curvereg_${name}_headers PRIVATE ${ARG_HEADERS})
+endfunction()
 
-# curvereg_add_test(core/scan [LABEL unit|integration|slow] [TIMEOUT SECONDS] [SERIAL] [LIBRARIES curvereg::sim ...]):
+function(curvereg_precompile target name)
+  target_precompile_headers(${target} REUSE_FROM curvereg_${name}_headers)
+endfunction()
+
+# curvereg_add_test(core/scan/scan [LABEL unit|integration|slow] [TIMEOUT SECONDS] [SERIAL] [HEADERS test|rpc_test]
+#                   [LIBRARIES curvereg::sim ...]):
 # builds tests/core/scan/scan_test.cc into its own executable and registers each of its test cases with CTest.
 function(curvereg_add_test path)
-  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT;HEADERS" "LIBRARIES" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  if(NOT ARG_HEADERS)
+    set(ARG_HEADERS test)
   endif()
   if(CURVEREG_SANITIZER)
     math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")
@@ -54,9 +69,8 @@ function(curvereg_add_test path)
   string(REPLACE "/" "_" name "${path}_test")
   add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}_test.cc")
   curvereg_configure(${name})
-  target_compile_options(${name} PRIVATE ${CURVEREG_TEST_OPTIONS})
   target_link_libraries(${name} PRIVATE curvereg::core curvereg_testing GTest::gmock GTest::gtest_main ${ARG_LIBRARIES})
-  target_precompile_headers(${name} REUSE_FROM curvereg_test_pch)
+  curvereg_precompile(${name} ${ARG_HEADERS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   gtest_discover_tests(
     ${name}
@@ -69,12 +83,12 @@ endfunction()
 
 # curvereg_add_tests(core/scan [options of curvereg_add_test] TESTS scan voxel_map ...): the tests of one folder.
 function(curvereg_add_tests folder)
-  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "LIBRARIES;TESTS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT;HEADERS" "LIBRARIES;TESTS" ${ARGN})
   set(options LIBRARIES ${ARG_LIBRARIES})
   if(ARG_SERIAL)
     list(PREPEND options SERIAL)
   endif()
-  foreach(option LABEL TIMEOUT)
+  foreach(option LABEL TIMEOUT HEADERS)
     if(ARG_${option})
       list(PREPEND options ${option} ${ARG_${option}})
     endif()

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "eval/surface_thickness.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
+#include "core/base/small_matrices.h"
 #include "eval/distribution.h"
 
 namespace curvereg {
@@ -45,8 +45,7 @@ SurfaceThickness::Result SurfaceThickness::Measure() const {
     const auto count = static_cast<double>(cell.count);
     const Eigen::Vector3d mean = cell.sum / count;
     const Eigen::Matrix3d covariance = cell.sum_of_squares / count - mean * mean.transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-    thickness.push_back(std::sqrt(std::max(solver.eigenvalues()[0], 0.0)));
+    thickness.push_back(std::sqrt(std::max(EigenvaluesOf(covariance)[0], 0.0)));
   }
   return {.median_m = Quantile(thickness, 0.5),
           .p90_m = Quantile(thickness, 0.9),

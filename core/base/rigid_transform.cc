@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/rigid_transform.h"
 
-#include <Eigen/SVD>
 #include <cmath>
+
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 
@@ -46,11 +47,10 @@ bool IsRigid(const RigidTransform& T, double tolerance) {
 }
 
 RigidTransform Orthonormalised(const RigidTransform& T) {
-  const Eigen::Matrix3d R = T.linear();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0);
+  const SingularValues svd = SingularValuesOf(T.linear());
+  Eigen::Vector3d signs(1.0, 1.0, (svd.U * svd.V.transpose()).determinant() < 0.0 ? -1.0 : 1.0);
   RigidTransform result = T;
-  result.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  result.linear() = svd.U * signs.asDiagonal() * svd.V.transpose();
   return result;
 }
 

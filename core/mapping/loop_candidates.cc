@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/mapping/loop_candidates.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/small_matrices.h"
 #include "core/mapping/link_registration.h"
 #include "core/mapping/pose_uncertainty.h"
 
@@ -36,8 +36,7 @@ std::vector<double> PositionSigmas(const Traverse& traverse) {
       continue;
     }
     const Eigen::Matrix3d covariance = PositionCovariance(pose.T_segment_scan, *pose.covariance);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-    sigmas.push_back(std::sqrt(std::max(0.0, solver.eigenvalues()[2])));
+    sigmas.push_back(std::sqrt(std::max(0.0, EigenvaluesOf(covariance)[2])));
   }
   return sigmas;
 }

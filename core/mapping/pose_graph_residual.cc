@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/mapping/pose_graph_residual.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 namespace {
@@ -23,9 +24,9 @@ Matrix6d Whitening(const Matrix6d& covariance, const PoseGraphOptions& options) 
   Vector6d unit;
   unit << Eigen::Vector3d::Constant(options.least_sigma_rad), Eigen::Vector3d::Constant(options.least_sigma_m);
   const Matrix6d in_units = unit.cwiseInverse().asDiagonal() * covariance * unit.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (in_units + in_units.transpose()));
-  const Vector6d sigmas = eigen.eigenvalues().cwiseMax(1.0).cwiseSqrt();
-  return sigmas.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * unit.cwiseInverse().asDiagonal();
+  const SymmetricEigen<6> eigen = EigenOf(Matrix6d(0.5 * (in_units + in_units.transpose())));
+  const Vector6d sigmas = eigen.values.cwiseMax(1.0).cwiseSqrt();
+  return sigmas.cwiseInverse().asDiagonal() * eigen.vectors.transpose() * unit.cwiseInverse().asDiagonal();
 }
 
 Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/mapping/pose_graph_start.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/base/small_matrices.h"
 #include "core/mapping/pose_graph_residual.h"
 
 namespace curvereg {
@@ -59,7 +59,7 @@ bool Agree(const Step& one, const Step& other, const PoseGraphOptions& options) 
   Matrix6d covariance = one.covariance + other.covariance;
   covariance.diagonal().head<3>().array() += options.least_sigma_rad * options.least_sigma_rad;
   covariance.diagonal().tail<3>().array() += options.least_sigma_m * options.least_sigma_m;
-  return e.dot(covariance.llt().solve(e)) <= options.kernel_sigmas * options.kernel_sigmas;
+  return SquaredMahalanobisDistance(e, covariance) <= options.kernel_sigmas * options.kernel_sigmas;
 }
 
 EdgeSupport SupportOf(int index, const PoseGraph& graph, const Neighbours& neighbours,

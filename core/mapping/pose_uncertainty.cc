@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/mapping/pose_uncertainty.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cstdint>
 
+#include "core/base/small_matrices.h"
 #include "core/mapping/pose_graph_residual.h"
 
 namespace curvereg {
@@ -19,9 +19,9 @@ Matrix6d DiagonalOf(double sigma_rad, double sigma_m) {
 
 // The symmetric matrix with its negative eigenvalues turned positive.
 Matrix6d Magnitude(const Matrix6d& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(symmetric);
-  const Matrix6d& axes = solver.eigenvectors();
-  const Matrix6d magnitude = axes * solver.eigenvalues().cwiseAbs().asDiagonal() * axes.transpose();
+  const SymmetricEigen<6> eigen = EigenOf(symmetric);
+  const Matrix6d& axes = eigen.vectors;
+  const Matrix6d magnitude = axes * eigen.values.cwiseAbs().asDiagonal() * axes.transpose();
   return 0.5 * (magnitude + magnitude.transpose());
 }
 

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/methods/verdict.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 
@@ -89,12 +90,12 @@ std::vector<DegenerateDirection> FindDegenerateDirections(const SurfaceFit& fit,
   scale.head<3>().setConstant(1.0 / std::sqrt(rotation_trace / translation_trace));
   scale.tail<3>().setOnes();
   const Matrix6d information = scale.asDiagonal() * fit.cross_information * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  const SymmetricEigen<6> eigen = EigenOf(information);
   std::vector<DegenerateDirection> directions;
   for (int i = 0; i < 6; ++i) {
-    const Vector6d direction = solver.eigenvectors().col(i);
+    const Vector6d direction = eigen.vectors.col(i);
     const double noise = std::sqrt(std::max(0.0, fit.NoiseVarianceAlong(scale.asDiagonal() * direction)));
-    const double value = solver.eigenvalues()[i];
+    const double value = eigen.values[i];
     if (value > min_information_z * noise) continue;
     DegenerateDirection degenerate;
     degenerate.direction = (scale.asDiagonal() * direction).normalized();

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/pose/refinement.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 namespace {
@@ -275,7 +275,7 @@ SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector
     // A whiff of damping keeps an unobserved direction where it is.
     equations.H.diagonal() *= 1.0 + 1e-9;
     equations.H.diagonal().array() += 1e-9 * equations.H.trace();
-    const Vector6d delta = equations.H.ldlt().solve(equations.g);
+    const Vector6d delta = SolveSymmetric(equations.H, equations.g);
     if (!delta.allFinite()) break;
     fit.T_target_source = TransformFromVector(delta) * fit.T_target_source;
     fit.converged = delta.tail<3>().norm() < options.converged_m && delta.head<3>().norm() < options.converged_rad;
@@ -291,7 +291,7 @@ Matrix6d PoseCovariance(const SurfaceFit& fit) {
   constexpr double kWidening = 8.0;
   Matrix6d information = fit.information;
   information.diagonal().array() += 1e-9 * information.trace() + 1e-12;
-  return kWidening * information.ldlt().solve(Matrix6d::Identity());
+  return kWidening * InverseOfSymmetric(information);
 }
 
 }  // namespace curvereg

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/pose/rigid_fit.h"
 
-#include <Eigen/SVD>
 #include <cmath>
+
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 namespace {
@@ -39,15 +40,15 @@ absl::StatusOr<RigidTransform> FitRigidTransform(std::span<const PointPair> pair
   if (!H.allFinite() || !std::isfinite(source_spread) || !std::isfinite(target_spread)) {
     return absl::InvalidArgumentError("rigid fit: a coordinate is not finite");
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularValues svd = SingularValuesOf(H);
   // Two singular values above zero determine the rotation: the third axis follows from the right-hand rule.
-  if (svd.singularValues()[1] <= kRankTolerance * std::sqrt(source_spread * target_spread)) {
+  if (svd.values[1] <= kRankTolerance * std::sqrt(source_spread * target_spread)) {
     return absl::FailedPreconditionError("rigid fit: the points are equal or on one line");
   }
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs[2] = -1.0;
+  if (svd.U.determinant() * svd.V.determinant() < 0.0) signs[2] = -1.0;
   RigidTransform T_target_source = RigidTransform::Identity();
-  T_target_source.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  T_target_source.linear() = svd.U * signs.asDiagonal() * svd.V.transpose();
   T_target_source.translation() = mean.target - T_target_source.linear() * mean.source;
   return T_target_source;
 }

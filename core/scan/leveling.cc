@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scan/leveling.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 namespace {
@@ -47,7 +48,7 @@ Cluster RefitCluster(const std::vector<PlaneElement>& elements, const std::vecto
     cluster.weight += elements[i].weight;
   }
   if (cluster.weight > 0.0) {
-    cluster.axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(2);
+    cluster.axis = EigenOf(scatter).vectors.col(2);
   }
   return cluster;
 }
@@ -110,7 +111,7 @@ Eigen::Vector3d PointedUp(const std::vector<PlaneElement>& elements, const Eigen
 
 LevelingCandidate CandidateFromUp(const Eigen::Vector3d& up, double weight) {
   LevelingCandidate candidate;
-  candidate.R_level_sensor = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  candidate.R_level_sensor = RotationBetween(up, Eigen::Vector3d::UnitZ());
   candidate.weight = weight;
   return candidate;
 }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scan/scan.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -15,6 +14,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/hash.h"
 #include "core/base/simd.h"
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 namespace {
@@ -65,8 +65,7 @@ Spread MeasureSpread(const std::vector<Eigen::Vector3f>& points, size_t stride, 
   if (n == 0.0) return Spread::kNone;
   const Eigen::Vector3d mean = sum / n;
   const Eigen::Matrix3d covariance = squares / n - mean * mean.transpose();
-  const Eigen::Vector3d variances =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d variances = EigenvaluesOf(covariance);
   // A line as float32 has a second variance of its rounding only.
   const double rounding = 1e-12 * ((origin + mean).squaredNorm() + variances[2]);
   if (variances[2] <= rounding) return Spread::kNone;

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/views/image_conditioning.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
+
+#include "core/base/small_matrices.h"
 
 namespace curvereg {
 namespace {
@@ -149,7 +150,7 @@ void RemovePlane(const Image<uint8_t>& valid, Image<float>& image) {
   }
   if (A(0, 0) < 3.0) return;
   A.diagonal().array() += 1e-9 * A.trace();  // a line of valid pixels leaves a slope undetermined: take it as 0
-  const Eigen::Vector3d plane = A.ldlt().solve(b);
+  const Eigen::Vector3d plane = SolveSymmetric(A, b);
   for (int row = 0; row < image.rows; ++row) {
     const double at_row = plane[0] + plane[1] * (row - 0.5 * image.rows);
     for (int col = 0; col < image.cols; ++col) {

@@ -1,4 +1,4 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Exists to carry the precompiled header of the tests.
+// Exists to carry a precompiled header.
