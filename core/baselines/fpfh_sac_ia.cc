@@ -4,7 +4,6 @@
 
 #include <pcl/common/distances.h>
 #include <pcl/common/transforms.h>
-#include <pcl/registration/transformation_estimation_svd.h>
 
 #include <algorithm>
 #include <limits>
@@ -99,15 +98,14 @@ double TruncatedError(const Surface& source, const Surface& target, const Eigen:
 void AlignBySamples(const DescribedSurface& source, const DescribedSurface& target, const BaselineOptions& options,
                     BaselineResult& result) {
   std::mt19937_64 generator(options.seed);
-  const pcl::registration::TransformationEstimationSVD<pcl::PointXYZ, pcl::PointXYZ> fit;
   auto min_distance_m = static_cast<float>(options.min_sample_distance_m);
   double least_error = std::numeric_limits<double>::infinity();
   for (int i = 0; i < options.max_iterations; ++i) {
     const pcl::Indices sample = DrawSample(*source.surface.cloud, generator, min_distance_m);
     const pcl::Indices matches =
         DrawMatches(Features(*source.features, sample), *target.features, options.correspondence_randomness, generator);
-    Eigen::Matrix4f T_target_source = Eigen::Matrix4f::Identity();
-    fit.estimateRigidTransformation(*source.surface.cloud, sample, *target.surface.cloud, matches, T_target_source);
+    const Eigen::Matrix4f T_target_source =
+        pcl_common::FitRigid(*source.surface.cloud, sample, *target.surface.cloud, matches);
     const double error =
         TruncatedError(source.surface, target.surface, T_target_source, options.icp_max_correspondence_m);
     if (options.stop.Requested()) return;

@@ -12,6 +12,9 @@
 
 #include "core/baselines/pcl_common.h"
 
+// PCL's library has it compiled; its header would have it compiled here once more.
+extern template class pcl::SampleConsensusModelRegistration<pcl::PointXYZ>;
+
 namespace curvereg {
 namespace {
 

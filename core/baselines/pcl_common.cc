@@ -142,6 +142,15 @@ Features::Ptr DescribePoints(const Cloud::Ptr& points, const Surface& surface, c
   return features;
 }
 
+// Here alone, because PCL's header compiles Eigen's SVD wherever the class is used.
+Eigen::Matrix4f FitRigid(const Cloud& source, const pcl::Indices& picked_source, const Cloud& target,
+                         const pcl::Indices& picked_target) {
+  const pcl::registration::TransformationEstimationSVD<pcl::PointXYZ, pcl::PointXYZ> fit;
+  Eigen::Matrix4f T_target_source = Eigen::Matrix4f::Identity();
+  fit.estimateRigidTransformation(source, picked_source, target, picked_target, T_target_source);
+  return T_target_source;
+}
+
 void RefineByIcp(const Surface& source, const Surface& target, const BaselineOptions& options, BaselineResult& result) {
   Eigen::Matrix4f T_target_source = result.T_target_source.matrix().cast<float>();
   auto points_target = pcl::make_shared<Cloud>();  // the source's points under the pose so far

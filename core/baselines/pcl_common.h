@@ -59,6 +59,11 @@ Surface PrepareSurface(const Scan& scan, const BaselineOptions& options);
 // Precondition: neither is empty.
 Features::Ptr DescribePoints(const Cloud::Ptr& points, const Surface& surface, const BaselineOptions& options);
 
+// The rigid transform of least squares that takes the points of `source` in `picked_source`, one by one, to those of
+// `target` in `picked_target`. Precondition: as many, at least 3.
+Eigen::Matrix4f FitRigid(const Cloud& source, const pcl::Indices& picked_source, const Cloud& target,
+                         const pcl::Indices& picked_target);
+
 // Point-to-point ICP (PCL's parts and convergence rules) from result.T_target_source; fills in pose and counts.
 void RefineByIcp(const Surface& source, const Surface& target, const BaselineOptions& options, BaselineResult& result);
 
