@@ -85,7 +85,7 @@ absl::Status CheckFiles(const std::vector<std::string>& files, const CliContext&
   return absl::OkStatus();
 }
 
-// The same error, telling which of several files it is about.
+// The same error, with the name of the file.
 absl::Status About(const std::string& file, const absl::Status& error) {
   absl::Status named(error.code(), absl::StrCat(file, ": ", error.message()));
   error.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) { named.SetPayload(type, payload); });
@@ -117,7 +117,7 @@ ExitCode Upload(const Arguments& arguments, Client& client, const CliContext& co
     entry.update(ScanJson(outcome->scan));
     json.push_back(std::move(entry));
     if (arguments.json) continue;
-    // At once: what is stored has its name told, even when a later file fails.
+    // Immediately: the names of stored scans are printed even if a later file fails.
     const ExitCode printed = PrintResult(
         absl::StrCat(outcome->scan.name, "  ", file, outcome->already_stored ? "  (already stored)\n" : "\n"));
     if (printed != ExitCode::kDone) return printed;

@@ -95,7 +95,7 @@ std::string TableHtml(const TraverseEvaluation& evaluation) {
       "observed.</p>\n");
 }
 
-// The measured segment's poses in the frame of the truth, the first one laid on its truth.
+// The poses of the measured segment in the frame of the ground truth, with the first pose at its true pose.
 std::vector<std::optional<RigidTransform>> PlacedPoses(const MeasuredTrajectory& trajectory, const Dataset& dataset) {
   std::vector<std::optional<RigidTransform>> placed(trajectory.poses.size());
   const int segment = trajectory.measured_segment;

@@ -48,7 +48,7 @@ bool IsPortDetail(std::string_view text) {
   });
 }
 
-// Kubernetes tells every container of a namespace about every Service in it: a Service "curvereg-server" becomes
+// Kubernetes sets variables for every Service of the namespace in each container: a Service "curvereg-server" becomes
 // CURVEREG_SERVER_SERVICE_HOST, _SERVICE_PORT, _SERVICE_PORT_GRPC, _PORT=tcp://10.0.0.1:50051, _PORT_50051_TCP,
 // _PORT_50051_TCP_ADDR... The values are looked at too, for CURVEREG_SERVER_PORT=50051 is somebody's mistake.
 bool IsFromKubernetes(std::string_view name, std::string_view value) {

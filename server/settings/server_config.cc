@@ -15,7 +15,7 @@
 namespace curvereg::server {
 namespace {
 
-// What a request holds besides the data of its chunk, with room to spare.
+// Size of a request besides the data of its chunk, with a margin.
 constexpr uint64_t kMessageOverheadBytes = 4096;
 constexpr int kMaxThreads = 4096;
 constexpr int kMaxGraceSeconds = 3600;
