@@ -90,7 +90,7 @@ absl::StatusOr<RigidTransform> ParseTransform(const std::string& text_or_path) {
       return absl::InvalidArgumentError(absl::StrCat(text_or_path, ": is a folder, not a file with a transform"));
     }
     if (!std::ifstream(text_or_path)) {
-      return absl::NotFoundError(absl::StrCat(text_or_path, ": neither a transform nor a file that can be read"));
+      return absl::NotFoundError(absl::StrCat(text_or_path, ": neither a transform nor a readable file"));
     }
     numbers = ReadNumbers(text_or_path);
   }
@@ -103,7 +103,7 @@ absl::StatusOr<Eigen::Vector3d> ParseDirection(const std::string& text) {
   const std::optional<std::vector<double>> numbers = ParseNumbers(text);
   if (!numbers || numbers->size() != 3 ||
       std::all_of(numbers->begin(), numbers->end(), [](double v) { return v == 0.0; })) {
-    return absl::InvalidArgumentError(absl::StrCat(text, ": expected a direction of gravity X,Y,Z that is not zero"));
+    return absl::InvalidArgumentError(absl::StrCat(text, ": expected a direction of gravity X,Y,Z other than zero"));
   }
   return Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]);
 }
@@ -122,7 +122,7 @@ absl::StatusOr<Matrix6d> ParsePriorSigma(const std::string& text) {
 absl::StatusOr<Method> ParseMethod(const std::string& name) {
   const std::optional<Method> method = MethodFromName(name);
   if (method) return *method;
-  return absl::InvalidArgumentError(absl::StrCat("no method is named '", name, "'; there are ", MethodNames()));
+  return absl::InvalidArgumentError(absl::StrCat("unknown method '", name, "'; methods: ", MethodNames()));
 }
 
 absl::StatusOr<std::vector<Method>> ParseMethods(const std::string& names) {
@@ -131,7 +131,7 @@ absl::StatusOr<std::vector<Method>> ParseMethods(const std::string& names) {
     const absl::StatusOr<Method> method = ParseMethod(name);
     if (!method.ok()) return method.status();
     if (std::find(methods.begin(), methods.end(), *method) != methods.end()) {
-      return absl::InvalidArgumentError(absl::StrCat("the method '", name, "' is named twice"));
+      return absl::InvalidArgumentError(absl::StrCat("the method '", name, "' is given twice"));
     }
     methods.push_back(*method);
   }
@@ -155,7 +155,7 @@ std::string CheckNotNegative(const std::string& text) {
   uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc() && end == text.data() + text.size()) return {};
-  return absl::StrCat("expected a whole number, 0 or above, got '", text, "'");
+  return absl::StrCat("expected a whole number of at least 0, got '", text, "'");
 }
 
 std::string MethodNames() {

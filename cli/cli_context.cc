@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What a server says of the arguments is said of the arguments; all else it says is a refusal.
+// Errors of a server about the arguments are usage errors; its other errors are refusals.
 ExitCode ExitCodeForServerError(const absl::Status& status) {
   switch (status.code()) {
     case absl::StatusCode::kInvalidArgument:
@@ -61,7 +61,7 @@ ExitCode ExitCodeFor(const absl::Status& status) {
 ExitCode ReportError(const absl::Status& status, const std::string& advice) {
   std::string message = status.message().empty() ? status.ToString() : std::string(status.message());
   if (absl::IsCancelled(status))
-    message = "interrupted";  // only the user cancels; the library's words are for programs
+    message = "interrupted";  // only the user cancels; the library's message addresses programs
   std::fprintf(stderr, "curvereg: %s%s%s\n", message.c_str(), advice.empty() ? "" : "; ", advice.c_str());
   return ExitCodeFor(status);
 }
@@ -71,15 +71,15 @@ void ReportWarning(const std::string& message) { std::fprintf(stderr, "curvereg:
 ExitCode PrintResult(const std::string& text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (written) return ExitCode::kDone;
-  // Whoever reads standard output asked for the result there; without it the command was not done.
+  // Without the result on standard output the command has failed for its caller.
   return ReportError(absl::ResourceExhaustedError("standard output: the result could not be written"));
 }
 
 absl::Status PrepareOutputFolder(const std::string& path) {
-  if (path.empty()) return absl::InvalidArgumentError("the output folder's name is empty");
+  if (path.empty()) return absl::InvalidArgumentError("the name of the output folder is empty");
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_directory(path, error)) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": is a file, a folder is needed for the output"));
+    return absl::InvalidArgumentError(absl::StrCat(path, ": is a file; the output needs a folder"));
   }
   fs::create_directories(path, error);
   if (error) return absl::InvalidArgumentError(absl::StrCat(path, ": cannot create the folder: ", error.message()));
@@ -91,7 +91,7 @@ absl::Status PrepareOutputFolder(const std::string& path) {
 
 absl::Status CheckOutputFile(const std::string& path) {
   std::error_code error;
-  if (path.empty()) return absl::InvalidArgumentError("the output file's name is empty");
+  if (path.empty()) return absl::InvalidArgumentError("the name of the output file is empty");
   if (fs::is_directory(path, error)) return absl::InvalidArgumentError(absl::StrCat(path, ": is a folder, not a file"));
   const fs::path parent = fs::absolute(path, error).parent_path();
   if (!fs::is_directory(parent, error)) {

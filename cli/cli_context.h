@@ -35,7 +35,7 @@ struct CliContext {
 // One command: `Add...Command(app)` declares its arguments and returns what runs it once they are parsed.
 using CommandRunner = std::function<ExitCode(const CliContext&)>;
 struct Command {
-  CLI::App* app = nullptr;  // owned by the root app; tells whether the command was named
+  CLI::App* app = nullptr;  // owned by the root app; knows whether the command was given
   CommandRunner run;
 };
 

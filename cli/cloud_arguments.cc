@@ -17,8 +17,9 @@ absl::StatusOr<Scan> ReadCloudArgument(const std::string& path, const CliContext
   options.progress = [&](double share) { bar.Update(share); };
   absl::StatusOr<Scan> scan = ReadCloudFile(path, options);
   if (absl::IsNotFound(scan.status()) && path.rfind("scans/", 0) == 0) {
-    return absl::NotFoundError(absl::StrCat(
-        scan.status().message(), " (a scan that a server keeps is scans/ and 32 hexadecimal digits, with --server)"));
+    return absl::NotFoundError(
+        absl::StrCat(scan.status().message(),
+                     " (the name of a scan on a server is scans/ and 32 hexadecimal digits, with --server)"));
   }
   if (context.interrupted.stop_requested()) return absl::CancelledError("interrupted");
   return scan;

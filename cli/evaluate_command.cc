@@ -42,11 +42,11 @@ constexpr char kExamples[] =
 `source target` that share no ground: accepting one is wrong.
 
 --mode pairs registers the pairs one by one. --mode traverse tracks the scans in name order as one drive and then
-optimises it, in this process, with the first of the methods. Errors need a poses.txt; without truth the sharpness of
-the map is measured.
+optimises it, in this process, with the first of the methods. Trajectory errors need a poses.txt; the sharpness of the
+map is measured without ground truth.
 
-Exit status: 0 done (whatever the figures), 1 internal fault or interrupted, 2 bad arguments or input, 4 server
-unreachable or it refused. When no call at all succeeds there is no report, and the status is that of the last.
+Exit status: 0 done (whatever the results), 1 internal error or interrupted, 2 wrong arguments or input, 4 server
+unreachable or refused the call. If every call fails there is no report, and the status is that of the last call.
 
 Examples:
   curvereg evaluate yard --out yard-report
@@ -102,7 +102,7 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
 ExitCode RunTraverse(const Arguments& arguments, const Dataset& dataset, Method method, const CliContext& context) {
   if (!arguments.server.server.empty()) {
     return ReportError(absl::InvalidArgumentError(
-        "--mode traverse measures in this process; leave out --server, or overrule CURVEREG_SERVER by --server \"\""));
+        "--mode traverse runs in this process; omit --server, or override CURVEREG_SERVER with --server \"\""));
   }
   TraverseEvaluationOptions options;
   options.tracking.registration = RegistrationOf(arguments, context);
@@ -150,29 +150,30 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddEvaluateCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("evaluate", "Measure methods on a data set with truth and write a report");
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Evaluate methods on a data set with ground truth and write a report");
   command->add_option("DATASET", arguments->dataset, "Folder of scans with poses.txt or pairs.txt")->required();
   command->add_option("--method", arguments->methods, absl::StrCat("Methods, separated by commas: ", MethodNames()))
       ->capture_default_str()
       ->type_name("A[,B...]");
-  command->add_option("--mode", arguments->mode, "Pairs one by one, or the whole drive end to end")
+  command->add_option("--mode", arguments->mode, "Evaluate pairs one by one, or the whole drive")
       ->check(CLI::IsMember({"pairs", "traverse"}))
       ->capture_default_str();
   command->add_option("--every", arguments->selection.every, "With poses.txt: register scan i+N onto scan i")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--take", arguments->selection.take, "Register every N-th pair only, for methods that take long")
+  command->add_option("--take", arguments->selection.take, "Register only every N-th pair, for slow methods")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command
       ->add_option("--min-overlap", arguments->selection.min_overlap,
-                   "With pairs.txt: leave out pairs of a known overlap below this")
+                   "With pairs.txt: skip pairs whose known overlap is below this")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "The same seed gives the same results")
       ->check(CheckNotNegative)
       ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
+  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")->check(CheckSeconds);

@@ -30,13 +30,13 @@ struct Arguments {
 };
 
 constexpr char kNotes[] = R"(Pictures, written as PNG files:
-  range.png, bearing_angle.png       the panoramas: azimuth to the right, elevation upwards; unknown is grey
-  coefficients.png                   log10 of the curvelet coefficients of the range image, coarse scales in the middle
-  elevation.png, occupancy.png       the levelled views from above, x to the right, y upwards, sensor in the middle
+  range.png, bearing_angle.png       panoramas: azimuth to the right, elevation upwards; grey where unknown
+  coefficients.png                   log10 of the curvelet coefficients of the range image, coarse scales in the centre
+  elevation.png, occupancy.png       levelled views from above, x to the right, y upwards, sensor in the centre
   VIEW_doc_J.png                     differences of curvelets I_c(J) - I_c(J-1) of a view: blue below 0, red above
   VIEW_keypoints.png                 key points on the conditioned view: red maxima, blue minima
 
-Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or input, 4 server unreachable or it refused.
+Exit status: 0 done, 1 internal error or interrupted, 2 wrong arguments or input, 4 server unreachable or refused.
 
 Example:
   curvereg inspect scan_0000.pcd --out pictures)";
@@ -68,7 +68,7 @@ absl::Status WritePictures(const RemotePictures& pictures, const std::string& fo
     const RemotePicture& picture = pictures.pictures[i];
     // A server is not trusted with the names of files.
     if (picture.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos) {
-      return absl::DataLossError(absl::StrCat("the server named a picture '", picture.name, "'"));
+      return absl::DataLossError(absl::StrCat("the server sent a picture with the invalid name '", picture.name, "'"));
     }
     const absl::Status status = WriteFileAtomically(absl::StrCat(folder, "/", picture.name, ".png"), picture.png);
     if (!status.ok()) return status;
@@ -112,13 +112,13 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddInspectCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("inspect", "Draw pictures of every stage that a scan goes through");
+  CLI::App* command = app.add_subcommand("inspect", "Draw every processing stage of a scan");
   command->add_option("SCAN", arguments->scan, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
       ->required();
   command->add_option("--out", arguments->out, "Folder for the pictures")->required()->type_name("DIR");
   command->add_option("--gravity", arguments->gravity, "Direction of gravity (down) in the scan's frame")
       ->type_name("X,Y,Z");
-  command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
+  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");

@@ -36,10 +36,10 @@ ExitCode ReportUsage(const CLI::App& app, const CLI::ParseError& error, const st
   const auto named = app.get_subcommands([&](const CLI::App* command) { return command->get_name() == first_word; });
   const bool is_unknown = !first_word.empty() && first_word[0] != '-' && named.empty();
   if (!is_unknown) return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kUsage;  // prints help, version or error
-  return ReportError(absl::InvalidArgumentError("no command is named '" + first_word + "'; see curvereg --help"));
+  return ReportError(absl::InvalidArgumentError("unknown command '" + first_word + "'; see curvereg --help"));
 }
 
-// They mostly come from a script's variable that is not set. Only --server says what it means by one.
+// Mostly from an unset variable of a script. Only --server gives an empty value a meaning.
 void RefuseEmptyValues(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const bool takes_value = option->get_items_expected_max() > 0;
@@ -62,7 +62,7 @@ ExitCode ParseAndRun(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return ReportUsage(app, error, argc > 1 ? argv[1] : "");
   }
-  setenv("GRPC_VERBOSITY", "NONE", 0);  // its lines say in many what our error says in one
+  setenv("GRPC_VERBOSITY", "NONE", 0);  // its many lines repeat our one error message
   server::KeepFreedMemory();            // the service runs in this process unless --server is given
   const InterruptWatcher watcher;
   for (const Command& command : commands) {

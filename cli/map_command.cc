@@ -28,10 +28,10 @@ struct Arguments {
 };
 
 constexpr char kNotes[] =
-    R"(.pcd, .ply and the other endings of clouds: points, one per cell. .asc: heights, an ESRI ASCII grid. In the frame of the
-segment, metres. Cuts of the link are mended.
+    R"(.pcd, .ply and the other extensions of point clouds: points, one per cell. .asc: heights, an ESRI ASCII grid. In
+the frame of the segment, metres. The download resumes after connection loss.
 
-Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output, 4 server unreachable or it refused.
+Exit status: 0 done, 1 internal error or interrupted, 2 wrong arguments or output, 4 server unreachable or refused.
 
 Examples:
   curvereg map sol-12 --out sol-12.ply --cell 0.05 --remove-seen-through --server ground-station:50051
@@ -77,7 +77,7 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddMapCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("map", "Fetch the map of a traverse");
+  CLI::App* command = app.add_subcommand("map", "Export the map of a traverse");
   command->add_option("ID", arguments->traverse.id, "The traverse")->required();
   command->add_option("--out", arguments->out, "File to write: .pcd or .ply (points), .asc (heights)")
       ->required()
@@ -91,7 +91,7 @@ Command AddMapCommand(CLI::App& app) {
       ->capture_default_str()
       ->type_name("N");
   command->add_flag("--remove-seen-through", arguments->map.remove_seen_through,
-                    "Leave out points that other scans saw through");
+                    "Remove points that lie in the free space of other scans (dynamic objects)");
   AddTraverseOptions(*command, arguments->traverse, "Print one JSON object and nothing else");
   command->footer(kNotes);
   return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};

@@ -37,10 +37,11 @@ struct Arguments {
 };
 
 constexpr char kExamples[] =
-    R"(With --server, SOURCE and TARGET may also be names of scans that the server keeps (scans/...; see curvereg scans).
+    R"(With --server, SOURCE and TARGET may also be names of scans stored on the server (scans/...; see curvereg
+scans).
 
-Exit status: 0 accepted, 1 internal fault or interrupted, 2 bad arguments or input, 3 rejected, 4 server unreachable or
-it refused.
+Exit status: 0 accepted, 1 internal error or interrupted, 2 wrong arguments or input, 3 rejected, 4 server unreachable
+or refused the call.
 
 Examples:
   curvereg register scan_0001.pcd scan_0000.pcd
@@ -88,7 +89,7 @@ absl::Status CheckOutputs(const Arguments& arguments) {
     const absl::Status status = CheckOutputFile(arguments.out_cloud);
     if (!status.ok()) return status;
     if (IsSameFile(arguments.out_cloud, arguments.source) || IsSameFile(arguments.out_cloud, arguments.target)) {
-      return absl::InvalidArgumentError(absl::StrCat(arguments.out_cloud, ": is an input of this command"));
+      return absl::InvalidArgumentError(absl::StrCat(arguments.out_cloud, ": is also an input of this command"));
     }
     if (!HasWritableCloudEnding(arguments.out_cloud)) {
       return absl::InvalidArgumentError(
@@ -108,7 +109,7 @@ absl::StatusOr<Side> ReadSide(const std::string& argument, const std::string& gr
                               const CliContext& context) {
   if (!arguments.server.server.empty() && IsScanName(argument)) {
     if (gravity.empty()) return Side{.scan = std::nullopt, .name = argument};
-    return absl::InvalidArgumentError(absl::StrCat(argument, ": a scan that the server keeps has its own gravity"));
+    return absl::InvalidArgumentError(absl::StrCat(argument, ": a scan stored on the server has its own gravity"));
   }
   std::optional<Eigen::Vector3d> direction;
   if (!gravity.empty()) {
@@ -149,7 +150,7 @@ absl::StatusOr<RegistrationResult> RegisterSides(ServiceAccess& service, const S
 absl::Status WriteMergedCloud(const std::string& path, const Scan& source, const Scan& target,
                               const RegistrationResult& result) {
   if (!result.has_pose) {
-    ReportWarning(absl::StrCat(path, ": not written, there is no pose to move the source by"));
+    ReportWarning(absl::StrCat(path, ": not written, because there is no pose"));
     return absl::OkStatus();
   }
   Scan merged = TransformScan(source, result.T_target_source);
@@ -208,15 +209,15 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddRegisterCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("register", "Find the transform that lays the scan SOURCE on the scan TARGET");
+  CLI::App* command = app.add_subcommand("register", "Find the transform that aligns the scan SOURCE to TARGET");
   command
       ->add_option("SOURCE", arguments->source,
-                   "Scan to be moved: PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
+                   "Scan to align: PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
       ->required();
-  command->add_option("TARGET", arguments->target, "Scan to be laid on")->required();
+  command->add_option("TARGET", arguments->target, "Reference scan")->required();
   command->add_option("--method", arguments->method, MethodNames())->capture_default_str()->type_name("NAME");
   command->add_option("--prior", arguments->prior,
-                      "Guess of T_target_source: a file or quoted numbers, 16 or 12 (rows of the matrix) or "
+                      "Initial guess of T_target_source: a file or quoted numbers, 16 or 12 (rows of the matrix) or "
                       "\"x y z qx qy qz qw\"");
   command->add_option("--prior-sigma", arguments->prior_sigma,
                       "Standard deviations of the prior: ROTATION_RAD,TRANSLATION_M");
@@ -226,19 +227,19 @@ Command AddRegisterCommand(CLI::App& app) {
   command->add_option("--seed", arguments->seed, "The same seed gives the same result")
       ->check(CheckNotNegative)
       ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
+  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command->add_option("--time-budget", arguments->time_budget_s, "Seconds; then the best pose so far, if any")
+  command->add_option("--time-budget", arguments->time_budget_s, "Seconds; when they are over, the best pose so far")
       ->check(CheckSeconds);
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
   command
       ->add_option(
           "--out-cloud", arguments->out_cloud,
-          "Write the source moved into the target's frame together with the target, if there is a pose, accepted "
+          "Write the source, transformed to the target's frame, together with the target. Needs a pose, accepted "
           "or not: .pcd, .ply, .bin, .xyz, .txt or .csv")
       ->type_name("FILE");
-  command->add_option("--report", arguments->report, "Write result.json and report.html with pictures into this folder")
+  command->add_option("--report", arguments->report, "Write result.json and report.html with pictures to this folder")
       ->type_name("DIR");
   AddServerOptions(*command, arguments->server);
   command->footer(kExamples);

@@ -30,11 +30,11 @@ absl::Status CheckTimes(const std::vector<StampedPose>& poses) {
     const double time_s = poses[i].timestamp_s;
     if (!(std::abs(time_s) < kMaxSeconds)) {
       return absl::InvalidArgumentError(
-          absl::StrCat("the time of pose ", i + 1, ", ", time_s, ", is no time in seconds since 1970"));
+          absl::StrCat("the time of pose ", i + 1, ", ", time_s, ", is not a time in seconds since 1970"));
     }
     if (i > 0 && time_s <= poses[i - 1].timestamp_s) {
       return absl::InvalidArgumentError(absl::StrCat("the time of pose ", i + 1, " is not after that of pose ", i,
-                                                     "; a pose for each scan is wanted, in their order"));
+                                                     "; expected one pose per scan, in the order of the scans"));
     }
   }
   return absl::OkStatus();
@@ -44,17 +44,16 @@ absl::Status CheckTimes(const std::vector<StampedPose>& poses) {
 
 void AddScanSourceOptions(CLI::App& command, ScanSourceArguments& arguments) {
   CLI::Option* folder = command.add_option("DIR", arguments.folder, "Folder of scans, sent in name order");
-  command.add_option("--follow", arguments.follow, "Folder that grows: sends what comes, until ^C or --idle-end")
+  command.add_option("--follow", arguments.follow, "Folder that grows: sends each new scan, until ^C or --idle-end")
       ->excludes(folder)
       ->type_name("DIR");
-  command
-      .add_option("--idle-end", arguments.idle_end_s, "With --follow: end when nothing new came for so many seconds")
+  command.add_option("--idle-end", arguments.idle_end_s, "With --follow: end after so many seconds without a new scan")
       ->check(CheckSeconds)
       ->type_name("S");
   command
       .add_option("--priors", arguments.priors,
-                  "Odometry of the drive, TUM or KITTI: a pose for each scan, in their order; its times, where they "
-                  "are TUM, become the scans'")
+                  "Odometry of the drive, TUM or KITTI: one pose per scan, in the order of the scans. TUM times become "
+                  "the times of the scans")
       ->type_name("FILE");
   command.add_option("--prior-sigma", arguments.prior_sigma,
                      "Standard deviations of the motion from scan to scan: ROTATION_RAD,TRANSLATION_M");
@@ -63,7 +62,7 @@ void AddScanSourceOptions(CLI::App& command, ScanSourceArguments& arguments) {
 absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments) {
   ScanSource source;
   if (arguments.folder.empty() == arguments.follow.empty()) {
-    return absl::InvalidArgumentError("which scans? Give a folder DIR, or --follow DIR");
+    return absl::InvalidArgumentError("no scans given: expected a folder DIR, or --follow DIR");
   }
   if (!arguments.follow.empty()) {
     GrowingFolder::Options options;
@@ -73,13 +72,13 @@ absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments
     }
     source.growing_.emplace(arguments.follow, options);
   } else if (arguments.idle_end_s > 0.0) {
-    return absl::InvalidArgumentError("--idle-end goes with --follow");
+    return absl::InvalidArgumentError("--idle-end needs --follow");
   }
   source.folder_ = source.growing_ ? arguments.follow : arguments.folder;
   absl::StatusOr<std::vector<std::string>> files = ScanFilesIn(source.folder_, arguments.priors);
   if (!files.ok()) return files.status();
   if (!source.growing_) {
-    if (files->empty()) return absl::InvalidArgumentError(absl::StrCat(source.folder_, ": holds no scans"));
+    if (files->empty()) return absl::InvalidArgumentError(absl::StrCat(source.folder_, ": contains no scans"));
     source.files_ = *std::move(files);
   }
   if (absl::Status status = source.ReadPriors(arguments); !status.ok()) return status;
@@ -89,7 +88,7 @@ absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments
 absl::Status ScanSource::GoOnAfter(uint64_t num_sent) {
   if (!growing_ && files_.size() < num_sent) {
     return absl::InvalidArgumentError(
-        absl::StrCat(folder_, ": holds ", files_.size(), " scans, the traverse has ", num_sent, " already"));
+        absl::StrCat(folder_, ": contains ", files_.size(), " scans, but the traverse already has ", num_sent));
   }
   next_ = num_sent_ = num_sent;
   return absl::OkStatus();

@@ -34,8 +34,8 @@ struct Arguments {
   bool json = false;
 };
 
-constexpr char kNotes[] = R"(Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or input,
-4 server unreachable or it refused.
+constexpr char kNotes[] = R"(Exit status: 0 done, 1 internal error or interrupted, 2 wrong arguments or input,
+4 server unreachable or refused the call.
 
 Examples:
   curvereg scans upload scan_0000.pcd scan_0001.pcd --encoding quantized --server ground-station:50051
@@ -85,7 +85,7 @@ absl::Status CheckFiles(const std::vector<std::string>& files, const CliContext&
   return absl::OkStatus();
 }
 
-// The same error, telling which of several files it is about.
+// The same error, with the name of the file.
 absl::Status About(const std::string& file, const absl::Status& error) {
   absl::Status named(error.code(), absl::StrCat(file, ": ", error.message()));
   error.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) { named.SetPayload(type, payload); });
@@ -117,9 +117,9 @@ ExitCode Upload(const Arguments& arguments, Client& client, const CliContext& co
     entry.update(ScanJson(outcome->scan));
     json.push_back(std::move(entry));
     if (arguments.json) continue;
-    // At once: what is stored has its name told, even when a later file fails.
+    // Immediately: the names of stored scans are printed even if a later file fails.
     const ExitCode printed = PrintResult(
-        absl::StrCat(outcome->scan.name, "  ", file, outcome->already_stored ? "  (was there already)\n" : "\n"));
+        absl::StrCat(outcome->scan.name, "  ", file, outcome->already_stored ? "  (already stored)\n" : "\n"));
     if (printed != ExitCode::kDone) return printed;
   }
   return arguments.json ? PrintResult(JsonText({{"scans", std::move(json)}}) + "\n") : ExitCode::kDone;
@@ -176,7 +176,7 @@ ExitCode Delete(const Arguments& arguments, Client& client, const CliContext& co
 ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliContext& context) {
   if (arguments.server.server.empty()) {
     return ReportError(
-        absl::InvalidArgumentError("scans are kept by servers: give --server HOST:PORT, or set CURVEREG_SERVER"));
+        absl::InvalidArgumentError("scans are stored on servers: give --server HOST:PORT, or set CURVEREG_SERVER"));
   }
   if (const absl::Status files = CheckFiles(arguments.files, context); !files.ok()) return ReportError(files);
   absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server, context);
@@ -198,25 +198,26 @@ CLI::App* AddAction(CLI::App& command, const std::string& name, const std::strin
 
 Command AddScansCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("scans", "The scans that a server keeps");
+  CLI::App* command = app.add_subcommand("scans", "Manage the scans stored on a server");
   command->require_subcommand(1);
   CLI::App* upload =
-      AddAction(*command, "upload", "Send scans to a server; while it runs, cuts are mended", *arguments);
+      AddAction(*command, "upload", "Upload scans to a server; resumes after connection loss", *arguments);
   upload->add_option("FILE", arguments->files, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS")->required();
   upload->add_option("--encoding", arguments->encoding, "raw, lossless (compressed) or quantized (smallest)")
       ->check(CLI::IsMember({"raw", "lossless", "quantized"}))
       ->capture_default_str();
-  upload->add_option("--max-error", arguments->max_error_m, "With quantized: metres that a point may be off")
+  upload->add_option("--max-error", arguments->max_error_m, "With quantized: maximum error of a point [m]")
       ->check(CheckPositive)
       ->capture_default_str();
-  upload->add_option("--frame", arguments->frame_id, "Name of the sensor frame, kept with the scan")->type_name("NAME");
+  upload->add_option("--frame", arguments->frame_id, "Name of the sensor frame, stored with the scan")
+      ->type_name("NAME");
   AddAction(*command, "list", "List the scans, newest first", *arguments);
-  CLI::App* download = AddAction(*command, "download", "Fetch a scan", *arguments);
+  CLI::App* download = AddAction(*command, "download", "Download a scan", *arguments);
   download->add_option("NAME", arguments->name, "scans/...")->required();
   download->add_option("--out", arguments->out, "File to write: .pcd, .ply, .bin, .xyz, .csv or .txt")
       ->required()
       ->type_name("FILE");
-  AddAction(*command, "delete", "Forget scans", *arguments)
+  AddAction(*command, "delete", "Delete scans", *arguments)
       ->add_option("NAME", arguments->names, "scans/...")
       ->required();
   command->footer(kNotes);

@@ -28,10 +28,10 @@ namespace {
 // them.
 constexpr std::size_t kMaxInlinePoints = 1'000'000;
 constexpr uint64_t kMaxTokenBytes = 4096;
-constexpr std::chrono::seconds kQuietWait(1);    // for a connection, before we tell what we wait for
-constexpr std::chrono::seconds kCleanUpTime(3);  // for each scan to delete; a server that is gone is not waited for
+constexpr std::chrono::seconds kQuietWait(1);    // for a connection, before a notice is printed
+constexpr std::chrono::seconds kCleanUpTime(3);  // for each scan to delete; limits the wait for a server that is gone
 
-// A token on the command line would be seen by everybody on the machine: file or environment only.
+// Every user of the machine could see a token on the command line: file or environment only.
 absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
   if (arguments.token_file.empty()) {
     const char* token = std::getenv("CURVEREG_TOKEN");
@@ -41,13 +41,13 @@ absl::StatusOr<std::string> TokenOf(const ServerArguments& arguments) {
   if (!bytes.ok()) return absl::Status(bytes.status().code(), absl::StrCat("--token-file: ", bytes.status().message()));
   std::string token(absl::StripAsciiWhitespace(std::string(bytes->view())));
   if (!token.empty()) return token;
-  return absl::InvalidArgumentError(absl::StrCat("--token-file: ", arguments.token_file, ": holds no token"));
+  return absl::InvalidArgumentError(absl::StrCat("--token-file: ", arguments.token_file, ": contains no token"));
 }
 
-// gRPC takes a port modulo 65536, 0 for what is no number, and "http://..." for a host.
+// gRPC itself takes a port modulo 65536, a port that is not a number as 0, and "http://..." as a host.
 absl::Status CheckServer(const std::string& server) {
   for (const char* scheme : {"dns:", "ipv4:", "ipv6:", "unix:", "unix-abstract:"}) {
-    if (absl::StartsWith(server, scheme)) return absl::OkStatus();  // a name of gRPC's own, which it checks itself
+    if (absl::StartsWith(server, scheme)) return absl::OkStatus();  // a gRPC name, which gRPC checks
   }
   const absl::StatusOr<server::ListenAddress> address = server::ParseListenAddress(server);
   if (address.ok() && address->port != 0 && !absl::StrContains(server, '/')) return absl::OkStatus();
@@ -55,30 +55,30 @@ absl::Status CheckServer(const std::string& server) {
       absl::StrCat("--server: ", server, ": expected HOST:PORT, the port from 1 to 65535, IPv6 addresses in brackets"));
 }
 
-// Tells what is waited for, if that takes long.
+// Prints a notice if connecting takes long.
 class WaitNotice {
  public:
   explicit WaitNotice(const std::string& server)
       : thread_([server](const std::stop_token& over) {
           SleepOrStop(kQuietWait, over);
           if (over.stop_requested()) return;
-          std::fprintf(stderr, "curvereg: waiting for %s, which does not answer yet\n", server.c_str());
+          std::fprintf(stderr, "curvereg: waiting for %s, which has not answered yet\n", server.c_str());
         }) {}
 
  private:
   std::jthread thread_;
 };
 
-// A server that wants TLS, or a certificate, hangs up on who comes without, and gRPC tells no more than that.
+// A server that requires TLS, or a certificate, closes other connections, and gRPC reports only that.
 absl::Status WithAdvice(const absl::Status& error, const TlsOptions& tls) {
   const char* advice = "";
   if (absl::StrContains(error.message(), "Socket closed")) {
-    if (!tls.enabled) advice = "; if the server speaks TLS, give --tls or --tls-ca";
+    if (!tls.enabled) advice = "; if the server uses TLS, give --tls or --tls-ca";
     if (tls.enabled && tls.certificate_file.empty()) {
-      advice = "; if the server asks for a certificate, give --tls-cert and --tls-key";
+      advice = "; if the server requires a certificate, give --tls-cert and --tls-key";
     }
   } else if (absl::StrContains(error.message(), "wrong version number")) {
-    advice = "; if the server speaks plain text, leave out --tls, --tls-ca and --tls-cert";
+    advice = "; if the server uses plain text, omit --tls, --tls-ca and --tls-cert";
   }
   return absl::Status(error.code(), absl::StrCat(error.message(), advice));
 }
@@ -111,24 +111,30 @@ absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
 
 void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
   const std::string group = "Server";
-  command.add_option("--server", arguments.server, "Ask this server; without it, or empty, this process does the work")
+  command
+      .add_option("--server", arguments.server, "Use this server; without it, or if empty, this process does the work")
       ->envname("CURVEREG_SERVER")
       ->type_name("HOST:PORT")
       ->group(group);
   command
-      .add_option("--token-file", arguments.token_file, "File with the bearer token; else the variable CURVEREG_TOKEN")
+      .add_option("--token-file", arguments.token_file,
+                  "File with the bearer token; default: the variable CURVEREG_TOKEN")
       ->type_name("FILE")
       ->group(group);
-  command.add_flag("--tls", arguments.tls, "Encrypt; implied by the next two")->envname("CURVEREG_TLS")->group(group);
-  command.add_option("--tls-ca", arguments.ca, "PEM of the authority that signed the server; else the system's")
+  command.add_flag("--tls", arguments.tls, "Use TLS; implied by --tls-ca and --tls-cert")
+      ->envname("CURVEREG_TLS")
+      ->group(group);
+  command
+      .add_option("--tls-ca", arguments.ca,
+                  "PEM file of the certificate authority of the server; default: the system's")
       ->envname("CURVEREG_TLS_CA")
       ->type_name("FILE")
       ->group(group);
-  command.add_option("--tls-cert", arguments.certificate, "PEM certificate of this client, for mutual TLS")
+  command.add_option("--tls-cert", arguments.certificate, "PEM file of the certificate of this client, for mutual TLS")
       ->envname("CURVEREG_TLS_CERT")
       ->type_name("FILE")
       ->group(group);
-  command.add_option("--tls-key", arguments.key, "PEM key of that certificate")
+  command.add_option("--tls-key", arguments.key, "PEM file of the private key of that certificate")
       ->envname("CURVEREG_TLS_KEY")
       ->type_name("FILE")
       ->group(group);
@@ -148,7 +154,7 @@ ServiceAccess::~ServiceAccess() {
   for (const std::string& name : temporary_) {
     const absl::Status status = client_->DeleteScan(name, {{}, std::chrono::steady_clock::now() + kCleanUpTime});
     if (status.ok()) continue;
-    ReportWarning(absl::StrCat(name, ": stays on the server: ", status.message()));
+    ReportWarning(absl::StrCat(name, ": not deleted from the server: ", status.message()));
     return;  // one line is enough when the server is gone
   }
 }

@@ -46,13 +46,13 @@ std::string Footer() {
     absl::StrAppendFormat(&text, "  %-15s %s\n", std::string(preset.name), std::string(preset.description));
   }
   return text + R"(
-The folder becomes a data set: scans 0000.pcd, 0001.pcd, ... in the sensor frame and the truth, poses.txt (TUM, sensor
+Writes a data set: scans 0000.pcd, 0001.pcd, ... in the sensor frame and the ground truth, poses.txt (TUM, sensor
 to world) or, of strangers, strangers.txt. The same options and seed give the same bytes at any number of threads.
 
 With --server the scans are uploaded as well.
 
-Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output that cannot be written, 4 server
-unreachable or it refused.
+Exit status: 0 done, 1 internal error or interrupted, 2 wrong arguments or output that cannot be written, 4 server
+unreachable or refused the call.
 
 Examples:
   curvereg simulate --out yard
@@ -79,8 +79,7 @@ std::string DefaultTerrain() {
 absl::StatusOr<sim::SimulationOptions> OptionsOf(const Arguments& arguments) {
   std::optional<sim::SimulationOptions> options = sim::PresetOptions(arguments.preset);
   if (!options.has_value()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("there is no preset '", arguments.preset, "'; there are ", PresetList()));
+    return absl::InvalidArgumentError(absl::StrCat("unknown preset '", arguments.preset, "'; presets: ", PresetList()));
   }
   for (const Change& change : arguments.changes) change(*options);
   if (!arguments.terrain.empty()) {
@@ -91,8 +90,8 @@ absl::StatusOr<sim::SimulationOptions> OptionsOf(const Arguments& arguments) {
     if (options->world.elevation.path.empty()) {
       return absl::InvalidArgumentError(absl::StrCat(
           "the preset '", arguments.preset,
-          "' needs an elevation model: give --terrain FILE (ESRI ASCII grid), or let CURVEREG_TEST_DATA name a folder "
-          "that holds terrain/mars_gale_hirise_1m.asc"));
+          "' needs an elevation model: give --terrain FILE (ESRI ASCII grid), or set CURVEREG_TEST_DATA to a folder "
+          "that contains terrain/mars_gale_hirise_1m.asc"));
     }
   }
   return *options;
@@ -188,9 +187,9 @@ void AddDriveChanges(CLI::App* command, Arguments* arguments) {
       ->check(CheckNotNegative);
   AddChange<int>(command, arguments, "--scans Number of scans",
                  [](Options& options, int value) { options.num_scans = value; });
-  AddChange<double>(command, arguments, "--step Metres of driving between scans",
+  AddChange<double>(command, arguments, "--step Distance driven between scans [m]",
                     [](Options& options, double value) { options.traverse.step_m = value; });
-  AddChange<double>(command, arguments, "--relief Factor on the heights of ground and rocks",
+  AddChange<double>(command, arguments, "--relief Factor applied to the heights of ground and rocks",
                     [](Options& options, double value) { options.world.relief = value; });
   AddChange<double>(command, arguments, "--rocks Rocks per square metre", [](Options& options, double value) {
     options.world.yard.rocks.density_per_m2 = value;
@@ -202,21 +201,21 @@ void AddDriveChanges(CLI::App* command, Arguments* arguments) {
 }
 
 void AddScannerChanges(CLI::App* command, Arguments* arguments) {
-  AddChange<int>(command, arguments, "--columns Beams around",
+  AddChange<int>(command, arguments, "--columns Number of beams in azimuth",
                  [](Options& options, int value) { options.scanner.pattern.columns = value; });
-  AddChange<int>(command, arguments, "--rows Beams from below to above (spiral: turns)",
+  AddChange<int>(command, arguments, "--rows Number of beams in elevation (spiral: turns)",
                  [](Options& options, int value) { options.scanner.pattern.rows = value; });
-  AddChange<double>(command, arguments, "--max-range Largest range [m]",
+  AddChange<double>(command, arguments, "--max-range Maximum range [m]",
                     [](Options& options, double value) { options.scanner.max_range_m = value; });
-  AddChange<double>(command, arguments, "--noise Standard deviation of the range at the sensor [m]",
+  AddChange<double>(command, arguments, "--noise Standard deviation of the range noise [m]",
                     [](Options& options, double value) { options.scanner.noise_m = value; });
   AddChange<double>(command, arguments, "--jitter Standard deviation of a beam's direction [rad]",
                     [](Options& options, double value) { options.scanner.beam_jitter_rad = value; });
-  AddChange<double>(command, arguments, "--keep Share of beams kept",
+  AddChange<double>(command, arguments, "--keep Fraction of beams that are kept",
                     [](Options& options, double value) { options.scanner.keep_fraction = value; });
-  AddChange<double>(command, arguments, "--dropout Share of returns lost",
+  AddChange<double>(command, arguments, "--dropout Fraction of returns that are lost",
                     [](Options& options, double value) { options.scanner.dropout_fraction = value; });
-  AddChange<double>(command, arguments, "--outliers Share of returns of a wrong range",
+  AddChange<double>(command, arguments, "--outliers Fraction of returns with a wrong range",
                     [](Options& options, double value) { options.scanner.outlier_fraction = value; });
   AddChange<double>(command, arguments, "--speed Forward speed during a scan [m/s]",
                     [](Options& options, double value) { options.scanner.motion.forward_mps = value; });
@@ -229,7 +228,7 @@ void AddPattern(CLI::App* command, Arguments* arguments) {
                                                       : sim::PatternKind::kRegular;
     arguments->changes.push_back([kind](Options& options) { options.scanner.pattern.kind = kind; });
   };
-  command->add_option_function<std::string>("--pattern", set, "How the beam moves: regular, spiral or rosette")
+  command->add_option_function<std::string>("--pattern", set, "Scan pattern: regular, spiral or rosette")
       ->check(CLI::IsMember({"regular", "spiral", "rosette"}));
 }
 
@@ -237,8 +236,11 @@ void AddPattern(CLI::App* command, Arguments* arguments) {
 
 Command AddSimulateCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("simulate", "Drive a rover through a simulated world and scan it, with truth");
-  command->add_option("--out", arguments->out, "Folder for the scans and the truth")->required()->type_name("DIR");
+  CLI::App* command =
+      app.add_subcommand("simulate", "Simulate scans of a rover in a simulated world, with ground truth");
+  command->add_option("--out", arguments->out, "Folder for the scans and the ground truth")
+      ->required()
+      ->type_name("DIR");
   command->add_option("--preset", arguments->preset, "What to simulate, see below")
       ->capture_default_str()
       ->type_name("NAME");
@@ -247,7 +249,7 @@ Command AddSimulateCommand(CLI::App& app) {
   AddDriveChanges(command, arguments.get());
   AddPattern(command, arguments.get());
   AddScannerChanges(command, arguments.get());
-  command->add_option("--threads", arguments->threads, "Most threads to use; 0: one per processor")
+  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");

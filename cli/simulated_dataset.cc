@@ -34,7 +34,7 @@ absl::Status CheckLeftovers(const sim::Simulation& simulation, const std::string
     if (ours.contains(name)) continue;
     if (truths.contains(name) || (HasCloudEnding(name) && !name.starts_with('.'))) {
       return absl::InvalidArgumentError(
-          absl::StrCat(folder, ": holds ", name, ", which is not of this simulation; choose another folder"));
+          absl::StrCat(folder, ": contains ", name, ", which is not part of this simulation; choose another folder"));
     }
   }
   if (error) return absl::InvalidArgumentError(absl::StrCat(folder, ": cannot be listed: ", error.message()));

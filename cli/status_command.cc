@@ -22,25 +22,25 @@ struct Arguments {
 };
 
 constexpr char kNotes[] =
-    R"(Without --server it tells of the service in this process, which says nothing about any server.
+    R"(Without --server it describes the service in this process, not any server.
 
-Exit status: 0 the server serves, 1 internal fault or interrupted, 2 bad arguments, 4 it does not serve, is unreachable
-or refused.
+Exit status: 0 the server serves, 1 internal error or interrupted, 2 wrong arguments, 4 it does not serve, is
+unreachable or refused the call.
 
 Example:
   curvereg status --server ground-station:50051)";
 
 std::string StatusText(const std::string& server, const ServerStatus& status) {
   std::string text = absl::StrCat(status.serving ? "serving" : "NOT SERVING", "\nserver       ",
-                                  server.empty() ? "none: this process, for want of --server" : server,
-                                  "\nbuild        ", status.build_id, "\n");
+                                  server.empty() ? "none: this process (no --server given)" : server, "\nbuild        ",
+                                  status.build_id, "\n");
   absl::StrAppendFormat(&text, "round trip   %.2f ms\n", static_cast<double>(status.round_trip.count()) * 1e-3);
   for (const auto& [service, serving] : status.services) {
     absl::StrAppend(&text, "service      ", service, serving ? "" : " (not serving)", "\n");
   }
   for (const RemoteMethod& method : status.methods) {
     absl::StrAppendFormat(&text, "method       %-15s %s%s\n", method.name,
-                          method.available ? "" : "(left out of this build) ", method.description);
+                          method.available ? "" : "(not in this build) ", method.description);
   }
   for (const auto& [name, value] : status.load) absl::StrAppendFormat(&text, "load         %-30s %d\n", name, value);
   for (const auto& [name, value] : status.limits) absl::StrAppendFormat(&text, "limit        %-30s %d\n", name, value);
@@ -82,7 +82,7 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 Command AddStatusCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      app.add_subcommand("status", "Tell whether a server serves, what it can do, its load and its limits");
+      app.add_subcommand("status", "Show whether a server serves, its methods, its load and its limits");
   command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
   AddServerOptions(*command, arguments->server);
   command->footer(kNotes);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `stream` tells: a line for each scan as its result comes, and a summary.
+// Output of `stream`: a line for each result, and a summary.
 #ifndef CURVEREG_CLI_STREAM_ACCOUNT_H_
 #define CURVEREG_CLI_STREAM_ACCOUNT_H_
 
@@ -15,7 +15,7 @@
 
 namespace curvereg::cli {
 
-// What has come so far; the streamer's thread tells it.
+// Results so far, reported by the thread of the streamer.
 struct StreamAccount {
   mutable std::mutex mutex;  // guards the rest while a streamer is there
   uint64_t num_results = 0;

@@ -38,15 +38,15 @@ struct Arguments {
 };
 
 constexpr char kNotes[] =
-    R"(Scan by scan in name order; the first file of the folder is scan 0 of the traverse. Cuts of the link are mended: what
-the server acknowledged is not sent again. With --follow the folder is watched for new files, until ^C or --idle-end;
-write files under another name and rename them when they are complete.
+    R"(Sends the scans in name order; the first file of the folder is scan 0 of the traverse. Resumes after connection
+loss: what the server acknowledged is not sent again. With --follow the folder is watched for new files, until ^C or
+--idle-end; write files under another name and rename them when they are complete.
 
-With --json one line for each result, and a last one with a summary.
+With --json it prints one line per result and a last line with a summary.
 
-Exit status: 0 done and every scan registered, 1 internal fault or interrupted, 2 bad arguments or input, 3 done, but
-some scan was not registered (its pose is carried by the prior, or a new segment begins), 4 server unreachable or it
-refused.
+Exit status: 0 done and every scan registered, 1 internal error or interrupted, 2 wrong arguments or input, 3 done, but
+at least one scan was not registered (its pose is extrapolated with the prior, or it starts a new segment), 4 server
+unreachable or refused the call.
 
 Examples:
   curvereg stream sol-12 --traverse sol-12 --server ground-station:50051
@@ -66,7 +66,7 @@ StreamOptions OptionsOf(const Arguments& arguments, StreamAccount& account, Prog
     const double share =
         static_cast<double>(progress.num_acknowledged) / static_cast<double>(std::max<uint64_t>(account.num_scans, 1));
     bar.Update(share, absl::StrCat(
-                          progress.num_acknowledged, " scans safe, ", progress.num_results, " registered",
+                          progress.num_acknowledged, " scans acknowledged, ", progress.num_results, " registered",
                           progress.num_resumes == 0 ? "" : absl::StrCat(", resumed ", progress.num_resumes, " times")));
   };
   return options;
@@ -89,7 +89,7 @@ absl::StatusOr<RemoteTraverse> BeginTraverse(TraverseClient& client, const Argum
     absl::StatusOr<RemoteTraverse> found = client.Get(name, context.UntilInterrupted());
     if (found.ok() && !arguments.method.empty() &&
         found->settings.registration.method != settings.registration.method) {
-      ReportWarning(absl::StrCat(name, ": keeps the method it was begun with, ",
+      ReportWarning(absl::StrCat(name, ": keeps the method it was created with, ",
                                  std::string(MethodName(found->settings.registration.method))));
     }
     if (!absl::IsNotFound(found.status())) return found;
@@ -97,12 +97,12 @@ absl::StatusOr<RemoteTraverse> BeginTraverse(TraverseClient& client, const Argum
   absl::StatusOr<RemoteTraverse> traverse =
       client.Create(name.substr(name.find('/') + 1), settings, context.UntilInterrupted());
   if (absl::IsAlreadyExists(traverse.status())) {
-    return absl::AlreadyExistsError(
-        absl::StrCat(traverse.status().message(), "; take another name, or --resume, which keeps its settings"));
+    return absl::AlreadyExistsError(absl::StrCat(
+        traverse.status().message(), "; choose another name, or continue it with --resume, which keeps its settings"));
   }
   if (!traverse.ok() || traverse->next_sequence_number == 0) return traverse;
   return absl::AlreadyExistsError(
-      absl::StrCat(name, ": has ", traverse->next_sequence_number, " scans already; --resume goes on after them"));
+      absl::StrCat(name, ": already has ", traverse->next_sequence_number, " scans; --resume continues after them"));
 }
 
 // Waits so that scans go out no faster than asked for.
@@ -158,7 +158,8 @@ absl::Status Run(const Stream& stream, StreamAccount& account, const CliContext&
   const std::stop_callback end((*streamer)->ended(), [&over] { over.request_stop(); });
   const absl::Status sent = SendAll(**streamer, source, arguments, {.interrupted = over.get_token()});
   if (source.num_late() > 0) {
-    ReportWarning(absl::StrCat(source.num_late(), " files came too late: their names lie before others sent"));
+    ReportWarning(
+        absl::StrCat(source.num_late(), " files were skipped: they appeared after files with later names were sent"));
   }
   // Even after an error of a file: the scans before it count.
   const absl::Status finished = (*streamer)->Finish();
@@ -193,10 +194,10 @@ ExitCode ReportEarlyEnd(const absl::Status& error, TraverseClient& client, const
   // Whoever deletes a traverse takes it over first.
   const bool may_be_gone = absl::IsAborted(error) || absl::IsNotFound(error);
   const bool was_deleted = may_be_gone && absl::IsNotFound(client.Get(name).status());
-  if (was_deleted) return ReportError(absl::NotFoundError(absl::StrCat(name, ": was deleted while it was streamed")));
+  if (was_deleted) return ReportError(absl::NotFoundError(absl::StrCat(name, ": was deleted during the stream")));
   const uint64_t num_safe = account.progress.num_acknowledged;
   return ReportError(error,
-                     num_safe == 0 ? "" : absl::StrCat(num_safe, " scans are safe, --resume goes on after them"));
+                     num_safe == 0 ? "" : absl::StrCat(num_safe, " scans are stored; --resume continues after them"));
 }
 
 ExitCode Run(const Arguments& arguments, const CliContext& context) {
@@ -220,27 +221,27 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddStreamCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("stream", "Send a folder of scans to a traverse, as a rover would");
+  CLI::App* command = app.add_subcommand("stream", "Stream a folder of scans to a traverse");
   AddScanSourceOptions(*command, arguments->source);
-  command->add_option("--traverse", arguments->traverse.id, "Name of the traverse; begun if it is not there")
+  command->add_option("--traverse", arguments->traverse.id, "Name of the traverse; created if it does not exist")
       ->required()
       ->type_name("ID");
-  command->add_option("--rate", arguments->rate_hz, "Most scans to send in a second")
+  command->add_option("--rate", arguments->rate_hz, "Maximum number of scans per second")
       ->check(CheckPositive)
       ->type_name("HZ");
-  command->add_flag("--resume", arguments->resume, "Go on after the scans that the traverse has");
-  command->add_option("--method", arguments->method, absl::StrCat("Of a new traverse: ", MethodNames()))
+  command->add_flag("--resume", arguments->resume, "Continue after the scans that the traverse already has");
+  command->add_option("--method", arguments->method, absl::StrCat("Method of a new traverse: ", MethodNames()))
       ->default_str("curvelet")
       ->type_name("NAME");
   command->add_option("--encoding", arguments->encoding, "lossless (compressed) or quantized (smallest)")
       ->check(CLI::IsMember({"lossless", "quantized"}))
       ->capture_default_str();
-  command->add_option("--max-error", arguments->max_error_m, "With quantized: metres that a point may be off")
+  command->add_option("--max-error", arguments->max_error_m, "With quantized: maximum error of a point [m]")
       ->check(CheckPositive)
       ->capture_default_str();
-  command->add_option("--frame", arguments->frame_id, "Name of the sensor frame, kept with the scans")
+  command->add_option("--frame", arguments->frame_id, "Name of the sensor frame, stored with the scans")
       ->type_name("NAME");
-  command->add_flag("--optimize", arguments->optimize, "In the end look for loop closures and adjust all poses");
+  command->add_flag("--optimize", arguments->optimize, "At the end search for loop closures and optimise all poses");
   AddTraverseOptions(*command, arguments->traverse, "Print one JSON object a line and nothing else");
   command->footer(kNotes);
   return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};

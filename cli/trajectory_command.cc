@@ -26,11 +26,12 @@ struct Arguments {
 };
 
 constexpr char kNotes[] =
-    R"(TUM: time, position and quaternion of each scan, 8 columns; the time is the scan's, else its sequence number. KITTI: the
-first three rows of each pose. Both map sensor coordinates to the frame of one segment, metres. Frames of different
-segments are unrelated, so a file holds one segment: that with the most poses unless --segment names another.
+    R"(TUM: time, position and quaternion of each scan, 8 columns; the time of the scan, or its sequence number if it
+has no time. KITTI: the first three rows of each pose. Both map sensor coordinates to the frame of one segment, metres.
+The frames of different segments are unrelated, so a file contains one segment: the one with the most poses, unless
+--segment is given.
 
-Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output, 4 server unreachable or it refused.
+Exit status: 0 done, 1 internal error or interrupted, 2 wrong arguments or output, 4 server unreachable or refused.
 
 Examples:
   curvereg trajectory sol-12 --out sol-12.tum --server ground-station:50051
@@ -65,7 +66,7 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
   if (poses.empty()) return ReportError(NoPoses(name, *trajectory, segment));
   if (arguments.segment < 0 && poses.size() < trajectory->poses.size()) {
     ReportWarning(absl::StrCat("segment ", segment, " alone, ", poses.size(), " of ", trajectory->poses.size(),
-                               " poses; --segment names another"));
+                               " poses; choose another with --segment"));
   }
   const TrajectoryFormat format = arguments.format == "tum" ? TrajectoryFormat::kTum : TrajectoryFormat::kKitti;
   const absl::StatusOr<std::string> text =
@@ -85,12 +86,12 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddTrajectoryCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("trajectory", "Fetch the poses of a traverse");
+  CLI::App* command = app.add_subcommand("trajectory", "Export the poses of a traverse");
   command->add_option("ID", arguments->traverse.id, "The traverse")->required();
   command->add_option("--format", arguments->format, "tum or kitti")
       ->check(CLI::IsMember({"tum", "kitti"}))
       ->capture_default_str();
-  command->add_option("--out", arguments->out, "File to write; else standard output")->type_name("FILE");
+  command->add_option("--out", arguments->out, "File to write; default: standard output")->type_name("FILE");
   command->add_option("--segment", arguments->segment, "Segment to write")
       ->check(CLI::Range(0, 1 << 30))
       ->type_name("N");

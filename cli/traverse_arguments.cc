@@ -18,7 +18,7 @@ constexpr char kPrefix[] = "traverses/";
 
 void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const std::string& json_help) {
   command.add_flag("--json", arguments.json, json_help);
-  command.add_option("--data-dir", arguments.data_dir, "Without --server: folder that keeps traverses and scans")
+  command.add_option("--data-dir", arguments.data_dir, "Without --server: folder that stores traverses and scans")
       ->envname("CURVEREG_DATA_DIR")
       ->type_name("DIR")
       ->capture_default_str();
@@ -33,7 +33,7 @@ absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, 
   const bool is_local = arguments.server.server.empty() && !arguments.data_dir.empty();
   if (is_local && folder == DataFolder::kIsThere && !std::filesystem::exists(arguments.data_dir, error)) {
     return absl::NotFoundError(absl::StrCat(arguments.data_dir,
-                                            ": no such data folder; name the one that `stream` made with --data-dir, "
+                                            ": no such data folder; give the one that `stream` wrote with --data-dir, "
                                             "or a server with --server"));
   }
   return ServiceAccess::OpenWithData(arguments.server, arguments.data_dir, context);

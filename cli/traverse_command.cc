@@ -30,7 +30,8 @@ struct Arguments {
 };
 
 constexpr char kNotes[] =
-    R"(Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output, 4 server unreachable or it refused.
+    R"(Exit status: 0 done, 1 internal error or interrupted, 2 wrong arguments or output, 4 server unreachable or
+refused.
 
 Examples:
   curvereg traverse list --server ground-station:50051
@@ -48,7 +49,7 @@ std::string Description(const RemoteTraverse& traverse) {
   const TraverseSettings& settings = traverse.settings;
   std::string text = absl::StrCat(traverse.name, "\n");
   absl::StrAppendFormat(
-      &text, "begun        %s\n",
+      &text, "created      %s\n",
       absl::FormatTime(absl::RFC3339_sec, absl::FromChrono(traverse.create_time), absl::UTCTimeZone()));
   absl::StrAppend(&text, "scans        ", traverse.next_sequence_number, " acknowledged, ",
                   traverse.num_registered_scans, " registered\n", "segments     ", traverse.num_segments, "\n",
@@ -56,7 +57,7 @@ std::string Description(const RemoteTraverse& traverse) {
   absl::StrAppendFormat(&text, "driven       %.3f m\n", traverse.path_length_m);
   absl::StrAppend(&text, "method       ", std::string(MethodName(settings.registration.method)), ", seed ",
                   settings.registration.seed, "\n", "late scans   up to ", settings.reorder_window, " numbers\n",
-                  "optimised    ", settings.optimize_on_the_fly ? "as scans come\n" : "when asked to\n");
+                  "optimised    ", settings.optimize_on_the_fly ? "while scans arrive\n" : "on request\n");
   return text;
 }
 
@@ -179,15 +180,15 @@ CLI::App* AddActionOnOne(CLI::App& command, const std::string& name, const std::
 
 Command AddTraverseCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("traverse", "The traverses that are kept");
+  CLI::App* command = app.add_subcommand("traverse", "Manage traverses");
   command->require_subcommand(1);
   AddAction(*command, "list", "List the traverses, newest first", *arguments);
-  AddActionOnOne(*command, "show", "Tell what is known of a traverse", *arguments);
-  AddActionOnOne(*command, "optimize", "Look for loop closures and adjust all poses", *arguments)
-      ->add_flag("--without-loops", arguments->without_loops, "Adjust with the links that are known");
-  AddActionOnOne(*command, "delete", "Forget a traverse, with scans that nothing else uses", *arguments);
+  AddActionOnOne(*command, "show", "Show the state of a traverse", *arguments);
+  AddActionOnOne(*command, "optimize", "Search for loop closures and optimise all poses", *arguments)
+      ->add_flag("--without-loops", arguments->without_loops, "Optimise with the existing links only");
+  AddActionOnOne(*command, "delete", "Delete a traverse, and its scans that no other traverse uses", *arguments);
   CLI::App* report =
-      AddActionOnOne(*command, "report", "Write trajectory, map, verdicts and a page with all of it", *arguments);
+      AddActionOnOne(*command, "report", "Write trajectory, map, verdicts and an HTML report", *arguments);
   report->add_option("--out", arguments->out, "Folder for report.html, report.json, figures, trajectories and the map")
       ->required()
       ->type_name("DIR");

@@ -89,7 +89,7 @@ std::string Row(const TrajectoryPose& pose, const ScanResult* result) {
 std::string ScanTable(const TraverseRecord& record) {
   std::string table = absl::StrCat(
       "<h2>Scans</h2>\n<table>\n<tr><th>scan</th><th>segment</th><th>x [m]</th><th>y [m]</th><th>z [m]</th>",
-      "<th>sigma [m]</th><th>overlap</th><th>rmse [m]</th><th>pose</th><th>links when it came</th></tr>\n");
+      "<th>sigma [m]</th><th>overlap</th><th>rmse [m]</th><th>pose</th><th>links at registration</th></tr>\n");
   const std::map<uint64_t, const ScanResult*> results = ResultsByNumber(record);
   for (const TrajectoryPose& pose : record.trajectory.poses) {
     const auto found = results.find(pose.sequence_number);

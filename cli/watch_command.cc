@@ -24,11 +24,11 @@ struct Arguments {
 };
 
 constexpr char kNotes[] =
-    R"(A row for each scan as it is registered, and a line for all else that happens: poses revised, segments joined, links
-found. Ends at ^C. Cuts of the link are mended; no event is missed or told twice. sigma: the greatest standard deviation
-of the position, relative to the segment's first pose.
+    R"(Prints a row for each registered scan, and a line for every other event: poses revised, segments joined, links
+found. Ends at ^C. Resumes after connection loss; no event is lost or repeated. sigma: the largest standard deviation
+of the position, relative to the first pose of the segment.
 
-Exit status: 0 done (^C is the usual end), 1 internal fault, 2 bad arguments, 4 server unreachable or it refused.
+Exit status: 0 done (^C is the usual end), 1 internal error, 2 wrong arguments, 4 server unreachable or refused.
 
 Examples:
   curvereg watch sol-12 --server ground-station:50051
@@ -60,9 +60,9 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 Command AddWatchCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("watch", "Show live what happens on a traverse");
+  CLI::App* command = app.add_subcommand("watch", "Show the events of a traverse live");
   command->add_option("ID", arguments->traverse.id, "The traverse")->required();
-  command->add_flag("--once", arguments->once, "Show what has happened so far, and end");
+  command->add_flag("--once", arguments->once, "Show the existing events, then end");
   command->add_option("--from", arguments->first_event, "Number of the first event to show")
       ->check(CheckNotNegative)
       ->type_name("N");

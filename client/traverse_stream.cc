@@ -211,7 +211,7 @@ void TraverseStream::SendNext() {
 bool TraverseStream::MakeNext() {
   if (!queue_.waiting.empty() && next_ < queue_.waiting.front().sequence_number()) {
     Break(wire::MakeError(v1::ERROR_REASON_SEQUENCE_OUT_OF_RANGE,
-                          absl::StrCat("the server wants scan ", next_, " next, the first one here is ",
+                          absl::StrCat("the server expects scan ", next_, " next, but the first scan here is ",
                                        queue_.waiting.front().sequence_number()),
                           {{"next_sequence_number", absl::StrCat(next_)}}));
     return false;

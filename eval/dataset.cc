@@ -114,7 +114,7 @@ absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelecti
   if (selection.take < 1) return absl::InvalidArgumentError("take: must be at least 1");
   const absl::StatusOr<std::vector<std::string>> paths = ScanFilesIn(folder);
   if (!paths.ok()) return paths.status();
-  if (paths->empty()) return absl::InvalidArgumentError(absl::StrCat(folder, ": holds no scans"));
+  if (paths->empty()) return absl::InvalidArgumentError(absl::StrCat(folder, ": contains no scans"));
   Dataset dataset;
   dataset.folder = folder;
   const absl::StatusOr<ScanIndex> index = ListScans(*paths, dataset);

@@ -65,7 +65,7 @@ def draw_errors(folder, methods, steps):
         axis.set_ylim(0, 1.02)
         axis.set_xlabel(label)
         axis.grid(alpha=0.3)
-    axes[0].set_ylabel("share of all pairs")
+    axes[0].set_ylabel("fraction of all pairs")
     axes[0].legend(loc="upper left")
     drawing.save(figure, folder / "figure_1_errors.png")
 
@@ -110,7 +110,7 @@ def draw_drift(folder, names):
             continue
         errors = [1e3 * np.linalg.norm(places[i] - place_of[scans[i]]) for i in known]
         axis.plot([travelled[scans[i]] for i in known], errors, color=colour, linestyle=style, marker=".", label=name)
-    drawing.label(axis, "way driven [m]", "error of the position [mm]")
+    drawing.label(axis, "distance driven [m]", "error of the position [mm]")
     drawing.save(figure, folder / "figure_5_drift.png")
 
 

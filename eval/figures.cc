@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Exit status by which the script tells that matplotlib is not there.
+// Exit status of the script if matplotlib is missing.
 constexpr int kNoMatplotlib = 77;
 
 std::vector<std::string> FiguresIn(const std::string& folder) {

@@ -97,7 +97,7 @@ def draw(folder, name, methods):
         axis.grid(alpha=0.3)
     axes[0].set_xlim(1e-4, 1e2)
     axes[1].set_xlim(1e-6, 4)
-    axes[0].set_ylabel("share of all pairs")
+    axes[0].set_ylabel("fraction of all pairs")
     axes[0].legend(loc="lower right")
     figure.savefig(folder / f"figure_{name}.png", dpi=110, bbox_inches="tight", metadata={"Software": None})
     plt.close(figure)

@@ -127,11 +127,11 @@ std::string HtmlPage(const HtmlPageContent& content) {
 }
 
 HtmlPageContent EvaluationPage(const Evaluation& evaluation) {
-  return {.title = "Evaluation of " + evaluation.dataset,
-          .summary =
-              absl::StrCat("<p>A pair is ok when its error is below 0.5 m and 0.1 rad. RMSE and medians ",
-                           "leave out pairs without a pose; these count as failures.</p>\n", SummaryTable(evaluation)),
-          .details = PairsSections(evaluation)};
+  return {
+      .title = "Evaluation of " + evaluation.dataset,
+      .summary = absl::StrCat("<p>A pair is ok if its error is below 0.5 m and 0.1 rad. RMSE and medians ",
+                              "exclude pairs without a pose, which count as failures.</p>\n", SummaryTable(evaluation)),
+      .details = PairsSections(evaluation)};
 }
 
 }  // namespace curvereg

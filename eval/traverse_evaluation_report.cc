@@ -72,7 +72,7 @@ std::vector<Row> Rows(const TraverseEvaluation& evaluation) {
 std::string Headline(const TraverseEvaluation& evaluation) {
   std::string text = absl::StrCat(evaluation.num_scans, " scans by ", std::string(MethodName(evaluation.method)), ": ",
                                   evaluation.num_accepted_links, " of ", evaluation.links.size(), " links accepted, ",
-                                  evaluation.num_accepted_wrong_links, " of them wrong; the optimisation gave up ",
+                                  evaluation.num_accepted_wrong_links, " of them wrong; the optimisation rejected ",
                                   evaluation.num_given_up_links, evaluation.converged ? "" : " and did not converge");
   absl::StrAppendFormat(&text, ". Tracking: median %.3f s a scan; optimisation %.3f s.",
                         Quantile(evaluation.track_seconds, 0.5), evaluation.optimise_seconds);
@@ -88,13 +88,14 @@ std::string TableHtml(const TraverseEvaluation& evaluation) {
   for (const auto& [name, cells] : Rows(evaluation)) {
     absl::StrAppend(&html, "<tr><td>", name, "</td><td>", cells[0], "</td><td>", cells[1], "</td></tr>\n");
   }
-  return absl::StrCat("<p>", Escaped(Headline(evaluation)), "</p>\n", html, "</table>\n",
-                      "<p>APE: after the best rigid alignment. Drift: after laying the first pose on its truth. RPE: ",
-                      "from scan to scan. Map thickness: median standard deviation across surfaces that several scans ",
-                      "saw.</p>\n");
+  return absl::StrCat(
+      "<p>", Escaped(Headline(evaluation)), "</p>\n", html, "</table>\n",
+      "<p>APE: after the best rigid alignment. Drift: with the first pose aligned to its true pose. RPE: ",
+      "from scan to scan. Map thickness: median standard deviation across surfaces that several scans ",
+      "observed.</p>\n");
 }
 
-// The measured segment's poses in the frame of the truth, the first one laid on its truth.
+// The poses of the measured segment in the frame of the ground truth, with the first pose at its true pose.
 std::vector<std::optional<RigidTransform>> PlacedPoses(const MeasuredTrajectory& trajectory, const Dataset& dataset) {
   std::vector<std::optional<RigidTransform>> placed(trajectory.poses.size());
   const int segment = trajectory.measured_segment;

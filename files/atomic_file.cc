@@ -25,7 +25,7 @@ std::string FolderOf(const std::string& path) {
   return folder.empty() ? "." : folder.string();
 }
 
-// A new file beside `target`; its descriptor, or -1 with errno set. The name is hidden and tells whose it was.
+// A new file beside `target`; its descriptor, or -1 with errno set. The name is hidden and contains the process id.
 int OpenTemporary(const std::string& target, std::string* name) {
   const std::string file = std::filesystem::path(target).filename().string();
   for (int i = 0; i < kMaxNames; ++i) {

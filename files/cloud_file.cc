@@ -52,16 +52,16 @@ absl::StatusOr<CloudWithOrigin> ParseUnmarked(std::string_view bytes, const std:
     const bool is_known = IsTextEnding(ending);
     if (!scan.ok() && !is_known && absl::IsInvalidArgument(scan.status())) {
       return absl::InvalidArgumentError(
-          absl::StrCat("is no PCD, PLY or LAS file, and no text with coordinates: ", scan.status().message()));
+          absl::StrCat("is not a PCD, PLY or LAS file, nor text with coordinates: ", scan.status().message()));
     }
     if (scan.ok() && !is_known && scan->points.empty()) {
-      return absl::InvalidArgumentError("is no PCD, PLY or LAS file, but text without coordinates");
+      return absl::InvalidArgumentError("is not a PCD, PLY or LAS file, but text without coordinates");
     }
     return AtFileOrigin(std::move(scan));
   }
   if (is_kitti_ending) return AtFileOrigin(ParseKitti(bytes, options));
   return absl::InvalidArgumentError(
-      "is not a point cloud: no PCD, PLY or LAS header, no text, and the name does not end in .bin (KITTI)");
+      "is not a point cloud: no PCD, PLY or LAS header, not text, and the name does not end in .bin (KITTI)");
 }
 
 absl::StatusOr<CloudWithOrigin> ParseCloud(std::string_view bytes, const std::string& ending,

@@ -36,8 +36,8 @@ struct CloudWithOrigin {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // in the file's frame [m]; what was subtracted from every point
 };
 
-// The same, and tells what was subtracted. Zero but for LAS files with coordinates of 16384 m or more: there it is the
-// header's offset or, should that not bring the points near enough, their middle in whole metres.
+// The same, and returns what was subtracted. Zero but for LAS files with coordinates of 16384 m or more: there it is
+// the header's offset or, should that not bring the points near enough, their middle in whole metres.
 absl::StatusOr<CloudWithOrigin> ReadCloudFileWithOrigin(const std::string& path, const CloudReadOptions& options = {});
 
 enum class CloudEncoding { kBinary, kAscii };

@@ -25,12 +25,12 @@ bool IsPlausible(float value) {
 absl::StatusOr<Scan> ParseKitti(std::string_view bytes, const CloudReadOptions& options) {
   if (bytes.size() % kPointBytes != 0) {
     return absl::DataLossError(
-        absl::StrCat("truncated, or not KITTI: its ", bytes.size(), " bytes are no multiple of 16"));
+        absl::StrCat("truncated, or not KITTI: the size of ", bytes.size(), " bytes is not a multiple of 16"));
   }
   const std::size_t num_points = bytes.size() / kPointBytes;
   if (num_points > static_cast<uint64_t>(std::max<int64_t>(options.max_points, 0))) {
     return absl::ResourceExhaustedError(
-        absl::StrCat("holds ", num_points, " points, more than the limit of ", options.max_points));
+        absl::StrCat("contains ", num_points, " points, more than the limit of ", options.max_points));
   }
   Scan scan;
   scan.points.resize(num_points);
@@ -44,7 +44,7 @@ absl::StatusOr<Scan> ParseKitti(std::string_view bytes, const CloudReadOptions& 
   }
   if (2 * num_implausible > num_points) {
     return absl::InvalidArgumentError(absl::StrCat("not a KITTI cloud: ", num_implausible, " of ", num_points,
-                                                   " points are no coordinates in metres"));
+                                                   " points are not coordinates in metres"));
   }
   return scan;
 }

@@ -44,7 +44,7 @@ absl::Status CheckFormat(std::string_view bytes) {
   }
   const auto format = static_cast<unsigned char>(bytes[104]);
   if ((format & 0xC0) != 0) {
-    return absl::InvalidArgumentError("compressed (LAZ), which is not read; unpack it to LAS first");
+    return absl::InvalidArgumentError("compressed (LAZ), which is not supported; convert it to LAS first");
   }
   if (format >= kMinRecordBytes.size()) {
     return absl::InvalidArgumentError(absl::StrCat("LAS point record format ", int{format}, " is not 0 to 10"));
@@ -76,12 +76,12 @@ absl::StatusOr<LasHeader> ParseHeader(std::string_view bytes) {
     if (num_points > 0) header.num_points = num_points;
   }
   if (header_bytes < kMinHeaderBytes || header.data_offset < header_bytes) {
-    return absl::DataLossError("LAS header contradicts itself: points begin inside of it");
+    return absl::DataLossError("LAS header is inconsistent: the points begin inside the header");
   }
   // Written so that NaN fails, too.
   if (!(header.scale.array() > 0.0).all() || !(header.scale.array() <= kMaxScale).all() ||
       !(header.offset.array().abs() <= kMaxOffset).all()) {
-    return absl::DataLossError("LAS header: scale or offset is no number of metres");
+    return absl::DataLossError("LAS header: scale or offset is not a valid number");
   }
   return header;
 }
@@ -123,13 +123,13 @@ absl::StatusOr<CloudWithOrigin> ParseLas(std::string_view bytes, const CloudRead
   if (!header.ok()) return header.status();
   const std::string_view records = bytes.substr(std::min(header->data_offset, bytes.size()));
   if (header->num_points > records.size() / header->record_bytes) {
-    return absl::DataLossError(absl::StrCat("truncated, or the header lies: LAS header declares ", header->num_points,
+    return absl::DataLossError(absl::StrCat("truncated, or wrong header: LAS header declares ", header->num_points,
                                             " points of ", header->record_bytes, " bytes, the file holds ",
                                             records.size(), " bytes of them"));
   }
   if (header->num_points > static_cast<uint64_t>(std::max<int64_t>(options.max_points, 0))) {
     return absl::ResourceExhaustedError(
-        absl::StrCat("holds ", header->num_points, " points, more than the limit of ", options.max_points));
+        absl::StrCat("contains ", header->num_points, " points, more than the limit of ", options.max_points));
   }
   CloudWithOrigin cloud;
   cloud.origin = ChooseOrigin(records, *header);

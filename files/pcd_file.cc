@@ -19,14 +19,14 @@ namespace curvereg {
 namespace {
 
 absl::Status Truncated(const PcdHeader& header, absl::string_view found) {
-  return absl::DataLossError(absl::StrCat("truncated, or the header lies: PCD header declares ", header.num_points,
+  return absl::DataLossError(absl::StrCat("truncated, or wrong header: PCD header declares ", header.num_points,
                                           " points of ", header.point_bytes, " bytes, the file holds ", found));
 }
 
 absl::Status CheckMaxPoints(const PcdHeader& header, const CloudReadOptions& options) {
   if (header.num_points <= static_cast<uint64_t>(std::max<int64_t>(options.max_points, 0))) return absl::OkStatus();
   return absl::ResourceExhaustedError(
-      absl::StrCat("holds ", header.num_points, " points, more than the limit of ", options.max_points));
+      absl::StrCat("contains ", header.num_points, " points, more than the limit of ", options.max_points));
 }
 
 // Where the three coordinates of point i begin: start[axis] + i * stride[axis].

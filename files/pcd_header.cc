@@ -143,16 +143,16 @@ absl::Status FillNumPoints(const RawHeader& raw, PcdHeader& header) {
   if (raw.width.has_value()) {
     int64_t value = 0;
     if (__builtin_mul_overflow(*raw.width, raw.height.value_or(1), &value)) {
-      return absl::DataLossError("PCD header: WIDTH x HEIGHT is beyond any file");
+      return absl::DataLossError("PCD header: WIDTH x HEIGHT is larger than any file");
     }
     product = value;
   }
   if (!raw.points.has_value() && !product.has_value()) {
-    return absl::DataLossError("PCD header: neither POINTS nor WIDTH tells the number of points");
+    return absl::DataLossError("PCD header: neither POINTS nor WIDTH gives the number of points");
   }
   if (raw.points.has_value() && product.has_value() && *raw.points != *product) {
     return absl::DataLossError(
-        absl::StrCat("PCD header contradicts itself: POINTS ", *raw.points, ", WIDTH x HEIGHT ", *product));
+        absl::StrCat("PCD header is inconsistent: POINTS ", *raw.points, ", WIDTH x HEIGHT ", *product));
   }
   header.num_points = static_cast<std::size_t>(raw.points.has_value() ? *raw.points : *product);
   return absl::OkStatus();

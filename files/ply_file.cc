@@ -20,7 +20,7 @@ namespace curvereg {
 namespace {
 
 absl::Status Truncated(const PlyElement& element) {
-  return absl::DataLossError(absl::StrCat("truncated, or the header lies: PLY header declares ", element.count, " ",
+  return absl::DataLossError(absl::StrCat("truncated, or wrong header: PLY header declares ", element.count, " ",
                                           Quoted(element.name), ", the file ends before the last"));
 }
 
@@ -170,7 +170,7 @@ absl::StatusOr<Scan> ReadVertices(const PlyHeader& header, Body body, const Clou
     }
     if (element.count > static_cast<uint64_t>(std::max<int64_t>(options.max_points, 0))) {
       return absl::ResourceExhaustedError(
-          absl::StrCat("holds ", element.count, " points, more than the limit of ", options.max_points));
+          absl::StrCat("contains ", element.count, " points, more than the limit of ", options.max_points));
     }
     Scan scan;
     scan.points.resize(element.count);

@@ -100,7 +100,7 @@ absl::StatusOr<bool> TakeFirstLine(std::string_view line, Columns& columns) {
   }
   if (rest.empty() && ParseCount(first).has_value()) return true;
   if (line.find(';') != line.npos && line.find(',') != line.npos) {
-    return absl::InvalidArgumentError("has commas and semicolons; decimal commas are not read");
+    return absl::InvalidArgumentError("has commas and semicolons; decimal commas are not supported");
   }
   return false;
 }
@@ -134,12 +134,12 @@ absl::StatusOr<Scan> ParseTextCloud(std::string_view bytes, const CloudReadOptio
       return absl::InvalidArgumentError(absl::StrCat("line ", lines.line_number(), ": ", status.message()));
     }
     if (std::ssize(scan.points) >= options.max_points) {
-      return absl::ResourceExhaustedError(absl::StrCat("holds more points than the limit of ", options.max_points));
+      return absl::ResourceExhaustedError(absl::StrCat("contains more points than the limit of ", options.max_points));
     }
     scan.points.push_back(point);
     progress.At(lines.offset());
   }
-  if (scan.points.empty() && columns.is_guessed) return absl::InvalidArgumentError("holds no line of coordinates");
+  if (scan.points.empty() && columns.is_guessed) return absl::InvalidArgumentError("contains no line of coordinates");
   return scan;
 }
 

@@ -107,7 +107,7 @@ absl::StatusOr<std::vector<StampedPose>> ParseTrajectory(std::string_view text) 
     if (!pose.ok()) return LineError(lines.line_number(), pose.status().message());
     poses.push_back(*pose);
   }
-  if (poses.empty()) return absl::InvalidArgumentError("holds no poses");
+  if (poses.empty()) return absl::InvalidArgumentError("contains no poses");
   return poses;
 }
 

@@ -46,7 +46,7 @@ while [ $# -gt 0 ]; do
     --bootstrap-base) bootstrap=yes && shift ;;
     --fresh) fresh=yes && shift ;;
     --no-save) save=no && shift ;;
-    *) die "unknown argument '$1'; the head of this file tells the arguments" ;;
+    *) die "unknown argument '$1'; see the head of this file" ;;
   esac
 done
 

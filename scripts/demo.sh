@@ -54,16 +54,16 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 server=127.0.0.1:$(sed -E 's/.*"grpc_port":([0-9]+).*/\1/' "$out/ports.json")
-run 'Ask a server how it is' "$curvereg" status --server "$server"
-run 'Let it keep two scans' "$curvereg" scans upload "${files[0]}" "${files[1]}" --server "$server"
+run 'Query the status of a server' "$curvereg" status --server "$server"
+run 'Upload two scans to it' "$curvereg" scans upload "${files[0]}" "${files[1]}" --server "$server"
 mapfile -t names < <("$curvereg" scans upload "${files[0]}" "${files[1]}" --server "$server" | cut -d' ' -f1)
 run 'Register the same scans there, by name' "$curvereg" register "${names[1]}" "${names[0]}" --server "$server"
 kill "$server_pid"
 wait "$server_pid"
 trap - EXIT
 
-run 'Evaluate every pair of the drive against the truth' "$curvereg" evaluate "$scans" --method curvelet --out "$out/evaluation"
-run 'Draw what the method sees in one scan' "$curvereg" inspect "${files[0]}" --out "$out/inspect"
+run 'Evaluate every pair of the drive against the ground truth' "$curvereg" evaluate "$scans" --method curvelet --out "$out/evaluation"
+run 'Draw the processing stages of one scan' "$curvereg" inspect "${files[0]}" --out "$out/inspect"
 
 printf '\nDone in %d s. Look at:\n' $((SECONDS - started))
 find "$out" -name 'report.html' -printf '  %p\n'

@@ -28,8 +28,8 @@ INTRODUCTION = """\
 
 The contract of package `curvereg.v1`. A server also offers `grpc.health.v1.Health` and gRPC reflection.
 
-Defaults: a field that is not sent has the value 0, empty or absent; where that means something, its description says
-so. Fields marked *optional* tell absence from 0."""
+Defaults: a field that is not sent is 0, empty or absent. If that has a meaning, the description of the field states it.
+Fields marked *optional* distinguish absent from 0."""
 
 # Numbers of fields in descriptor.proto, of which the paths of comments are made.
 FILE_MESSAGES, FILE_ENUMS, FILE_SERVICES = 4, 5, 6

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: 2026 The Curvereg authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Draws the pictures of docs/method.md with the project's own commands, and prints the figures that stand beside them.
+# Draws the pictures of docs/method.md with the project's own commands, and prints the figures next to them.
 # About a minute.
 #
 # usage: method_pictures.sh [PICTURES_DIR [OUT_DIR]]      default: docs/pictures out/pictures; CURVEREG names another
@@ -44,7 +44,7 @@ run "$curvereg" inspect "$out/yard/0010.pcd" --out "$out/inspect"
 keep "$out/inspect/elevation_doc_4.png" curvelets
 keep "$out/inspect/elevation_keypoints.png" keypoints
 
-# Two scans, the sensor turned anyhow at each; and the errors of a method that starts from "no motion" beside ours.
+# Two scans with different heading; and the errors of a method that starts from the identity beside those of curvelet.
 run "$curvereg" simulate --preset random-yaw --scans 14 --out "$out/turned"
 run "$curvereg" register "$out/turned/0004.pcd" "$out/turned/0002.pcd" --report "$out/pair"
 embedded "$out/pair/report.html" 3 >"$out/given.png"

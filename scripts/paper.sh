@@ -2,17 +2,22 @@
 # SPDX-FileCopyrightText: 2026 The Curvereg authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The paper's section 5: its three data sets, simulated with its figures, its method, its rivals and ours; prints its
-# tables and draws its figures. The rivals take up to a quarter of an hour a pair, so they get one pair of each set
-# unless told.
+# The paper's section 5: simulates its three data sets, evaluates its method, its baselines and the default method, prints
+# its tables and draws its figures. The baselines take up to a quarter of an hour per pair, so by default they register
+# one pair of each set.
 #
-# usage: paper.sh [OUT_DIR]      default: out/paper; CURVEREG names another executable, RIVAL_PAIRS the number of pairs
-#                                for each rival on each set (default 1; 0: none), PAPER_SCANS most scans of a set
+# usage: paper.sh [OUT_DIR]      default: out/paper
+#   CURVEREG        another executable
+#   BASELINE_PAIRS  pairs per baseline and set (default 1; 0: none); RIVAL_PAIRS, its old name, is read in this release
+#   PAPER_SCANS     maximum number of scans of a set
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 curvereg=${CURVEREG:-build/release/bin/curvereg}
 out=${1:-out/paper}
-rival_pairs=${RIVAL_PAIRS:-1}
+if [ -n "${RIVAL_PAIRS:-}" ]; then
+  echo 'paper.sh: RIVAL_PAIRS is called BASELINE_PAIRS now; the old name will not be read in the next release' >&2
+fi
+baseline_pairs=${BASELINE_PAIRS:-${RIVAL_PAIRS:-1}}
 
 if [ ! -x "$curvereg" ]; then
   echo "paper.sh: $curvereg is not there; run 'make paper' or 'make build' first" >&2
@@ -39,10 +44,10 @@ evaluate_set() {
   run "$curvereg" simulate --preset "$set" --scans "$scans" --out "$out/scans/$set"
   run "$curvereg" evaluate "$out/scans/$set" --every "$every" --take "$take" --method paper,curvelet \
     --out "$out/$set/quick"
-  [ "$rival_pairs" -gt 0 ] || return 0
-  local rival_take=$((take * ((num_pairs + rival_pairs - 1) / rival_pairs)))
-  run "$curvereg" evaluate "$out/scans/$set" --every "$every" --take "$rival_take" --method fpfh-sac-ia,harris3d-fpfh \
-    --out "$out/$set/rivals"
+  [ "$baseline_pairs" -gt 0 ] || return 0
+  local baseline_take=$((take * ((num_pairs + baseline_pairs - 1) / baseline_pairs)))
+  run "$curvereg" evaluate "$out/scans/$set" --every "$every" --take "$baseline_take" \
+    --method fpfh-sac-ia,harris3d-fpfh --out "$out/$set/baselines"
 }
 
 evaluate_set mars-dome 95 5 5

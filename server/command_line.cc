@@ -46,12 +46,14 @@ void AddSettingFlags(CLI::App& app, std::map<std::string, std::string>& texts) {
 
 CLI::App* AddMakeToken(CLI::App& app, MakeTokenCommand& command, std::string& scope) {
   CLI::App* make_token =
-      app.add_subcommand("make-token", "Make a token for a caller, and its table for the token file");
-  make_token->add_option("NAME", command.name, "who will use it, as the log and the quotas name them")->required();
-  make_token->add_option("--scope", scope, "read (register, look), write (upload and delete, too) or admin (all)")
+      app.add_subcommand("make-token", "Create a token for a caller and its table for the token file");
+  make_token->add_option("NAME", command.name, "name of the caller, as used in the log and for quotas")->required();
+  make_token
+      ->add_option("--scope", scope,
+                   "read (register, download, list), write (also upload and delete) or admin (everything)")
       ->check(CLI::IsMember({"read", "write", "admin"}))
       ->capture_default_str();
-  make_token->add_option("--append-to", command.append_to, "token file to add the table to, instead of printing it")
+  make_token->add_option("--append-to", command.append_to, "token file to append the table to, instead of printing it")
       ->check(CheckNotEmpty);
   return make_token;
 }
@@ -59,18 +61,18 @@ CLI::App* AddMakeToken(CLI::App& app, MakeTokenCommand& command, std::string& sc
 }  // namespace
 
 ParsedCommandLine ParseCommandLine(int argc, const char* const* argv) {
-  CLI::App app("Serves registration of 3-D laser scans over gRPC", "curvereg-server");
+  CLI::App app("gRPC service that registers 3-D laser scans", "curvereg-server");
   app.set_version_flag("--version", [] { return BuildId(); });
   app.footer(absl::StrCat("Settings may also come from the environment (", kEnvironmentPrefix,
                           "...) and from a TOML file; see docs/settings.md."));
   ServeCommand serve;
   std::map<std::string, std::string> texts;
   app.add_option("--config", serve.config_file, "TOML file of settings")->check(CheckNotEmpty)->type_name("FILE");
-  app.add_option("--ports-file", serve.ports_file, "write the bound ports to this file, as JSON, once they are open")
+  app.add_option("--ports-file", serve.ports_file, "write the bound ports to this file as JSON once they are open")
       ->check(CheckNotEmpty)
       ->type_name("FILE");
-  app.add_flag("--print-config", serve.print_config, "print the settings in force as TOML, and leave");
-  app.add_flag("--print-settings", serve.print_settings, "print the table of all settings as Markdown, and leave");
+  app.add_flag("--print-config", serve.print_config, "print the settings in force as TOML and exit");
+  app.add_flag("--print-settings", serve.print_settings, "print the table of all settings as Markdown and exit");
   AddSettingFlags(app, texts);
   MakeTokenCommand token;
   std::string scope = "read";

@@ -11,7 +11,7 @@ constexpr std::array<Preset, 9> kPresets = {{
     {"mars-yard-sim", "40 scans of 224k points, 5.4 m apart, in a Mars yard of 60 m x 120 m (paper, section 5)"},
     {"mars-yard-real", "17 scans of a million beams thinned to a quarter, 15 m apart, with bad returns (paper)"},
     {"mars-dome", "95 scans in an indoor dome of 40 m; every fifth pair is 2.38 m and 0.45 rad apart (paper)"},
-    {"random-yaw", "mars-yard-sim with the sensor turned anyhow at each scan"},
+    {"random-yaw", "mars-yard-sim with an arbitrary heading at each scan"},
     {"sparse", "mars-yard-sim with a quarter of the points"},
     {"outliers", "sparse with 15 % of the ranges wrong"},
     {"flat", "mars-yard-sim with all heights scaled by 0.1"},

@@ -123,8 +123,9 @@ struct Metrics::State {
   HistogramFamily& handling =
       Histograms("grpc_server_handling_seconds", "Time from the start of a call to its end, by status code [s]");
   prometheus::Family<prometheus::Gauge>& open =
-      prometheus::BuildGauge().Name("curvereg_open_calls").Help("Calls and streams under way").Register(registry);
-  CounterFamily& rejected_family = Counters("curvereg_rejected_total", "Calls refused for want of room, by reason");
+      prometheus::BuildGauge().Name("curvereg_open_calls").Help("Open calls and streams").Register(registry);
+  CounterFamily& rejected_family =
+      Counters("curvereg_rejected_total", "Calls rejected because a limit is reached, by reason");
   HistogramFamily& stage_family = Histograms("curvereg_stage_seconds", "Wall time of each stage of a registration [s]");
   CounterFamily& verdict_family =
       Counters("curvereg_verdict_total", "Registrations by verdict and, when rejected, its first reason");
@@ -150,7 +151,7 @@ struct Metrics::State {
                            .Add({}, RatioBuckets());
   Counter& scans = Counters("curvereg_received_scans_total", "Scans decoded from calls and uploads").Add({});
   Counter& points = Counters("curvereg_received_points_total", "Points of these scans").Add({});
-  Counter& resumed = Counters("curvereg_uploads_resumed_total", "Uploads that went on where they were cut").Add({});
+  Counter& resumed = Counters("curvereg_uploads_resumed_total", "Uploads resumed after an interruption").Add({});
   Counter& uploads = Counters("curvereg_uploads_completed_total", "Uploads completed").Add({});
   Counter& upload_bytes = Counters("curvereg_uploads_completed_bytes_total", "Bytes of these uploads").Add({});
   Counter& checksum =
@@ -158,7 +159,7 @@ struct Metrics::State {
 
   // All origins at once, so that they are there from the start.
   CounterFamily& tracked_family =
-      Counters("curvereg_traverse_scans_total", "Scans of traverses that got a pose, by how they got it");
+      Counters("curvereg_traverse_scans_total", "Scans of traverses with a pose, by its origin");
   Counter& by_registration = tracked_family.Add({{"origin", "registered"}});
   Counter& by_prior = tracked_family.Add({{"origin", "prior"}});
   Counter& by_segment_start = tracked_family.Add({{"origin", "segment_start"}});
@@ -168,7 +169,7 @@ struct Metrics::State {
   Counter& taken_seconds = Counters("curvereg_traverse_acquisition_seconds_total",
                                     "Time from the acquisition of a traverse's scans to that of the next ones [s]")
                                .Add({});
-  Counter& joined = Counters("curvereg_traverse_segments_joined_total", "Segments that became part of another").Add({});
+  Counter& joined = Counters("curvereg_traverse_segments_joined_total", "Segments merged into another").Add({});
   Histogram& optimization =
       Histograms("curvereg_traverse_optimization_seconds", "Wall time of a revision of a traverse's poses [s]")
           .Add({}, SecondsBuckets());
@@ -193,7 +194,7 @@ struct Metrics::State {
 Metrics::Metrics() : state_(std::make_unique<State>()) {
   prometheus::BuildGauge()
       .Name("curvereg_build_info")
-      .Help("Always 1; the label tells the build")
+      .Help("Always 1; the label is the build")
       .Register(state_->registry)
       .Add({{"build", BuildId()}})
       .Set(1.0);

@@ -15,16 +15,17 @@ namespace {
 std::string DescriptionOf(Method method) {
   switch (method) {
     case Method::kCurvelet:
-      return "Bird's-eye curvelet features, refinement and verification; climbs to dearer settings while it is not "
-             "sure. Any attitude and heading, on terrain and in structured places.";
+      return "Bird's-eye curvelet features, refinement and verification; escalates to costlier settings if confidence "
+             "is low. Any sensor attitude and heading; terrain and buildings.";
     case Method::kPaper:
-      return "The published pipeline to the letter: panoramas, motions of decimetres.";
+      return "The published pipeline, unchanged: range panoramas, motions of decimetres.";
     case Method::kFpfhSacIa:
-      return "FPFH features with SAC-IA: the paper's first rival.";
+      return "FPFH features with SAC-IA: the paper's first baseline.";
     case Method::kHarris3dFpfh:
-      return "Harris-3D key points with FPFH features: the paper's second rival.";
+      return "Harris-3D key points with FPFH features: the paper's second baseline.";
     case Method::kIcp:
-      return "Refinement alone, from the prior, else from the identity; judged like any other pose.";
+      return "Refinement alone, starting from the prior if there is one, else from the identity; verified as any other "
+             "pose.";
   }
   return "";
 }
@@ -40,26 +41,28 @@ void AddOptions(Method method, const LimitsConfig& limits, v1::MethodInfo& info)
   const bool heeds_prior = method == Method::kCurvelet || method == Method::kIcp;
   if (heeds_prior) {
     Add("prior.t_target_source",
-        method == Method::kIcp ? "Where the refinement begins; absent: the identity."
-                               : "A guess, tried as one more pose.",
+        method == Method::kIcp ? "Start of the refinement; absent: the identity."
+                               : "Initial guess, tried as one more hypothesis.",
         info)
         .set_unit("m, unit quaternion");
-    Add("prior.covariance", "How sure the guess is: poses beyond five standard deviations are not considered.", info)
+    Add("prior.covariance",
+        "Uncertainty of the guess: poses farther than five standard deviations from it are not considered.", info)
         .set_unit("rad^2, rad m, m^2");
   } else {
-    v1::MethodOption& seed = Add("seed", "Of the random choices: the same seed gives the same result.", info);
+    v1::MethodOption& seed = Add("seed", "Seed of the random choices: the same seed gives the same result.", info);
     seed.set_default_value(absl::StrCat(RegistrationOptions().seed));
     seed.set_min_value(0.0);
     seed.set_max_value(static_cast<double>(std::numeric_limits<uint64_t>::max()));
   }
   if (method != Method::kFpfhSacIa && method != Method::kHarris3dFpfh) {
-    v1::MethodOption& threads =
-        Add("max_threads", "Most threads to use; changes the time, never the result. 0: as many as allowed.", info);
+    v1::MethodOption& threads = Add(
+        "max_threads", "Maximum number of threads; affects the time, never the result. 0: as many as allowed.", info);
     threads.set_default_value("0");
     threads.set_min_value(0.0);
     threads.set_max_value(limits.max_threads_per_registration);
   }
-  v1::MethodOption& budget = Add("time_budget", "At its end the answer is the best pose so far, marked.", info);
+  v1::MethodOption& budget =
+      Add("time_budget", "When it expires the best pose so far is returned, with the reason `deadline`.", info);
   budget.set_unit("s");
   budget.set_min_value(1e-9);
 }

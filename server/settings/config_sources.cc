@@ -36,7 +36,7 @@ bool Holds(std::string_view text, std::string_view letters) {
   return !text.empty() && text.find_first_not_of(letters) == std::string_view::npos;
 }
 
-// "50051_TCP", "50051_TCP_ADDR"...: what Kubernetes tells of one port.
+// "50051_TCP", "50051_TCP_ADDR"...: what Kubernetes sets for one port.
 bool IsPortDetail(std::string_view text) {
   const std::size_t end = text.find_first_not_of(kDigits);
   if (end == 0 || end == std::string_view::npos) return false;
@@ -48,7 +48,7 @@ bool IsPortDetail(std::string_view text) {
   });
 }
 
-// Kubernetes tells every container of a namespace about every Service in it: a Service "curvereg-server" becomes
+// Kubernetes sets variables for every Service of the namespace in each container: a Service "curvereg-server" becomes
 // CURVEREG_SERVER_SERVICE_HOST, _SERVICE_PORT, _SERVICE_PORT_GRPC, _PORT=tcp://10.0.0.1:50051, _PORT_50051_TCP,
 // _PORT_50051_TCP_ADDR... The values are looked at too, for CURVEREG_SERVER_PORT=50051 is somebody's mistake.
 bool IsFromKubernetes(std::string_view name, std::string_view value) {
@@ -109,7 +109,7 @@ absl::Status ApplyTable(const toml::table& table, const std::string& section, co
       continue;
     }
     const Setting* setting = FindSetting(name, TomlName);
-    if (setting == nullptr) return TomlError(file_name, key.source(), "no setting is named \"" + name + "\"");
+    if (setting == nullptr) return TomlError(file_name, key.source(), "unknown setting \"" + name + "\"");
     const std::optional<std::string> text = TextOf(node, setting->kind);
     if (!text.has_value()) return TomlError(file_name, node.source(), name + " must be " + TypeText(setting->kind));
     const absl::Status status = SetFromText(*setting, *text, config);
@@ -144,7 +144,7 @@ absl::Status ApplyEnvironment(const Environment& environment, ServerConfig& conf
     if (name == kConfigVariable) continue;
     const std::string source = "environment variable " + name;
     const Setting* setting = FindSetting(name, EnvironmentName);
-    if (setting == nullptr) return absl::InvalidArgumentError(source + ": there is no such setting");
+    if (setting == nullptr) return absl::InvalidArgumentError(source + ": unknown setting");
     const absl::Status status = SetFromText(*setting, text, config);
     if (!status.ok()) return Named(source, status);
   }
@@ -154,7 +154,7 @@ absl::Status ApplyEnvironment(const Environment& environment, ServerConfig& conf
 absl::Status ApplyFlags(const std::vector<FlagValue>& flags, ServerConfig& config) {
   for (const FlagValue& flag : flags) {
     const Setting* setting = FindSetting(flag.name, FlagName);
-    if (setting == nullptr) return absl::InvalidArgumentError(flag.name + ": there is no such setting");
+    if (setting == nullptr) return absl::InvalidArgumentError(flag.name + ": unknown setting");
     const absl::Status status = SetFromText(*setting, flag.text, config);
     if (!status.ok()) return Named(flag.name, status);
   }

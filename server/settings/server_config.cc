@@ -15,7 +15,7 @@
 namespace curvereg::server {
 namespace {
 
-// What a request holds besides the data of its chunk, with room to spare.
+// Size of a request besides the data of its chunk, with a margin.
 constexpr uint64_t kMessageOverheadBytes = 4096;
 constexpr int kMaxThreads = 4096;
 constexpr int kMaxGraceSeconds = 3600;
@@ -29,7 +29,7 @@ absl::Status Invalid(std::string_view setting, std::string_view text) {
 template <typename T>
 absl::Status CheckRange(const char* setting, T value, uint64_t min, uint64_t max) {
   if (std::cmp_greater_equal(value, min) && std::cmp_less_equal(value, max)) return absl::OkStatus();
-  return Invalid(setting, absl::StrCat("must lie from ", min, " to ", max, ", is ", value));
+  return Invalid(setting, absl::StrCat("must be between ", min, " and ", max, ", is ", value));
 }
 
 absl::Status FirstError(std::initializer_list<absl::Status> statuses) {
@@ -70,7 +70,7 @@ absl::Status CheckLimits(const LimitsConfig& limits) {
 absl::Status CheckTls(const TlsConfig& tls) {
   if (tls.certificate_file.empty() != tls.key_file.empty()) {
     return Invalid(tls.key_file.empty() ? "tls.key_file" : "tls.certificate_file",
-                   "must be given too: a certificate and its key go together");
+                   "is missing: a certificate needs its key and vice versa");
   }
   if (!tls.client_ca_file.empty() && tls.certificate_file.empty()) {
     return Invalid("tls.client_ca_file", "needs tls.certificate_file and tls.key_file");

@@ -70,7 +70,7 @@ absl::Status SetNumber(const Setting& setting, std::string_view text, T& value) 
 
 // TOML's "\u0000" ends the names of files early.
 absl::Status SetText(std::string_view text, std::string& value) {
-  if (text.find('\0') != std::string_view::npos) return absl::InvalidArgumentError("must not hold a zero byte");
+  if (text.find('\0') != std::string_view::npos) return absl::InvalidArgumentError("must not contain a zero byte");
   value = text;
   return absl::OkStatus();
 }

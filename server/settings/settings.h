@@ -41,7 +41,7 @@ std::string FlagName(const Setting& setting);         // "--limits-max-scan-poin
 std::string EnvironmentName(const Setting& setting);  // "CURVEREG_SERVER_LIMITS_MAX_SCAN_POINTS"
 std::string TomlName(const Setting& setting);         // "limits.max_scan_points"
 
-// Reads `text` as the setting's kind. INVALID_ARGUMENT tells what is expected, and leaves `config` as it was.
+// Reads `text` as the setting's kind. INVALID_ARGUMENT says what is expected and leaves `config` unchanged.
 absl::Status SetFromText(const Setting& setting, std::string_view text, ServerConfig& config);
 
 // The value as TOML: "a string", true, 42.

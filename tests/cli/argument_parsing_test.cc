@@ -93,7 +93,7 @@ TEST(ParseMethods, NamesInOrder) {
 
 TEST(ParseMethods, ErrorsTellWhatThereIs) {
   EXPECT_THAT(std::string(ParseMethods("icp,magic").status().message()),
-              HasSubstr("'magic'; there are curvelet, paper"));
+              HasSubstr("unknown method 'magic'; methods: curvelet, paper"));
   EXPECT_FALSE(ParseMethods("").ok());
   EXPECT_FALSE(ParseMethods("icp,").ok());
   EXPECT_THAT(std::string(ParseMethods("icp,icp").status().message()), HasSubstr("twice"));

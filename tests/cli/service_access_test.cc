@@ -105,7 +105,7 @@ TEST(ServiceAccess, GivesAdviceWhenOneSideSpeaksTlsOnly) {
   arguments.ca = certificates.Pem("ca");
   EXPECT_THAT(ErrorOf(arguments), EndsWith("give --tls-cert and --tls-key"));
   arguments.server = "127.0.0.1:" + std::to_string((*plain)->port());
-  EXPECT_THAT(ErrorOf(arguments), EndsWith("leave out --tls, --tls-ca and --tls-cert"));
+  EXPECT_THAT(ErrorOf(arguments), EndsWith("omit --tls, --tls-ca and --tls-cert"));
 }
 
 }  // namespace

@@ -56,10 +56,10 @@ TEST(TraverseTextTest, ARowTellsTheVerdict) {
 
 TEST(TraverseTextTest, TellsWhenAnOptimisationDidNotConverge) {
   OptimizationOutcome outcome;
-  EXPECT_EQ(OptimizationText(outcome).find("settled"), std::string::npos);
+  EXPECT_EQ(OptimizationText(outcome).find("converged"), std::string::npos);
   EXPECT_EQ(OptimizationJson(outcome)["converged"], true);
   outcome.converged = false;
-  EXPECT_THAT(OptimizationText(outcome), HasSubstr("not settled"));
+  EXPECT_THAT(OptimizationText(outcome), HasSubstr("not converged"));
   EXPECT_EQ(OptimizationJson(outcome)["converged"], false);
 }
 

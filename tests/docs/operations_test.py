@@ -161,7 +161,7 @@ class RunningServer(unittest.TestCase):
     def test_metrics(self):
         documented = {names([row[0]])[0]: row for row in rows("Metrics")}
         served = dict(re.findall(r"# TYPE (\w+) (\w+)", self.metrics))
-        # A family appears with its first event; nothing was refused here for want of room.
+        # A family appears with its first event; no call was rejected here because of a limit.
         self.assertEqual(set(served) | {"curvereg_rejected_total"}, set(documented))
         self.assertEqual(served, {name: documented[name][1] for name in served})
         for name in served:

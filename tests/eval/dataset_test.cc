@@ -173,7 +173,7 @@ TEST(DatasetTest, NamesFileAndLine) {
 
 TEST(DatasetTest, RefusesFoldersThatAreNoDataSet) {
   const TemporaryFolder folder;
-  EXPECT_EQ(ErrorOf(folder), folder.path() + ": holds no scans");
+  EXPECT_EQ(ErrorOf(folder), folder.path() + ": contains no scans");
   AddScans(folder, {"a.pcd", "a.ply"});
   EXPECT_THAT(ErrorOf(folder), HasSubstr("another scan in the folder has this name"));
   std::filesystem::remove(folder.File("a.ply"));

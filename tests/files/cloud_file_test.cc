@@ -118,7 +118,7 @@ TEST(CloudFileTest, RefusesContentItDoesNotKnow) {
       WriteBytes(folder.File(name), content);
       const absl::Status status = ReadCloudFile(folder.File(name)).status();
       EXPECT_TRUE(absl::IsInvalidArgument(status)) << name << status;
-      EXPECT_THAT(Message(status), HasSubstr(folder.File(name) + ": is no"));
+      EXPECT_THAT(Message(status), HasSubstr(folder.File(name) + ": is not a "));
     }
   }
 }

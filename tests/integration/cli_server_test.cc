@@ -84,7 +84,7 @@ TEST_F(CliServerTest, ScansGoUpAndComeDownAndRegisterByName) {
 
   EXPECT_EQ(Asking("scans delete " + source + " " + target).status, 0);
   EXPECT_EQ(Asking("register " + source + " " + target).status, 2);
-  EXPECT_EQ(Alone("scans list").status, 2) << "scans are kept by servers";
+  EXPECT_EQ(Alone("scans list").status, 2) << "scans are stored on servers";
 }
 
 TEST_F(CliServerTest, InspectDrawsTheSamePicturesAsAlone) {

@@ -177,7 +177,7 @@ TEST_F(CliTest, OutputsThatCannotBeWrittenAreRefused) {
   const std::string pair = "register " + Yard(1) + " " + Yard(0);
   std::ofstream(data_->File("file")) << "precious";
   ExpectRefused(pair + " --out-cloud no/such/folder/m.ply", "no/such/folder/m.ply");
-  ExpectRefused(pair + " --out-cloud " + Yard(0), "is an input");
+  ExpectRefused(pair + " --out-cloud " + Yard(0), "is also an input of this command");
   ExpectRefused(pair + " --out-cloud merged.doc", "merged.doc");
   ExpectRefused(pair + " --report file", "is a file");
   ExpectRefused("evaluate yard --out file/below", "file/below");

@@ -65,7 +65,7 @@ TEST_F(TraverseCliErrorsTest, TimesOfOdometryMustGrow) {
     EXPECT_THAT(finished.err, HasSubstr(std::string(name) + ": the time of pose 3 is not after that of pose 2"));
   }
   WriteOdometry("far.txt", {1e20, 2e20, 3e20});  // more nanoseconds than 64 bits hold
-  EXPECT_THAT(Asking("stream yard --traverse times --priors far.txt").err, HasSubstr("no time"));
+  EXPECT_THAT(Asking("stream yard --traverse times --priors far.txt").err, HasSubstr("not a time"));
 }
 
 TEST_F(TraverseCliErrorsTest, OdometryAmongTheScansIsNoScan) {
@@ -79,10 +79,10 @@ TEST_F(TraverseCliErrorsTest, OdometryAmongTheScansIsNoScan) {
 TEST_F(TraverseCliErrorsTest, ATakenNameIsABadArgument) {
   const Finished other = Asking("stream yard --traverse drive --method icp");
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, HasSubstr("take another name"));
+  EXPECT_THAT(other.err, HasSubstr("choose another name"));
   const Finished resumed = Asking("stream yard --traverse drive --method icp --resume");
   EXPECT_EQ(resumed.status, 0) << resumed.err;
-  EXPECT_THAT(resumed.err, HasSubstr("keeps the method it was begun with, curvelet"));
+  EXPECT_THAT(resumed.err, HasSubstr("keeps the method it was created with, curvelet"));
   EXPECT_THAT(Asking("stream yard --traverse drive --resume").err, IsEmpty());
 }
 
@@ -134,7 +134,7 @@ TEST_F(TraverseCliErrorsTest, ATraverseThatIsDeletedEndsItsStream) {
   }
   EXPECT_LT(std::chrono::steady_clock::now() - deleted, std::chrono::seconds(40)) << "no scan need come to notice";
   EXPECT_EQ(streamed.status, 2) << streamed.err;
-  EXPECT_THAT(streamed.err, HasSubstr("was deleted while it was streamed"));
+  EXPECT_THAT(streamed.err, HasSubstr("was deleted during the stream"));
 }
 
 TEST_F(TraverseCliErrorsTest, ADataFolderThatCannotBeIsABadArgument) {
