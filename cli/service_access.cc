@@ -200,13 +200,6 @@ TransferOptions LosslessTransfer(const CliContext& context) {
   return options;
 }
 
-bool IsScanName(const std::string& argument) {
-  constexpr std::size_t kDigits = 32;
-  const std::string prefix = "scans/";
-  return argument.size() == prefix.size() + kDigits && argument.compare(0, prefix.size(), prefix) == 0 &&
-         argument.find_first_not_of("0123456789abcdef", prefix.size()) == std::string::npos;
-}
-
 absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan, const CliContext& context) {
   if (!service.is_remote() || scan.points.size() <= kMaxInlinePoints) return ScanReference(std::cref(scan));
   ProgressBar bar("uploading");

@@ -17,6 +17,7 @@
 #include "client/upload_stream.h"
 #include "wire/digest.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::internal {
 namespace {
@@ -25,15 +26,15 @@ namespace {
 std::string RandomUploadName() {
   std::random_device device;
   const auto draw = [&device](int num_bits) { return device() >> (32 - num_bits); };
-  return absl::StrFormat("uploads/%08x-%04x-4%03x-%04x-%04x%08x", draw(32), draw(16), draw(12), 0x8000U | draw(14),
-                         draw(16), draw(32));
+  return wire::UploadName(absl::StrFormat("%08x-%04x-4%03x-%04x-%04x%08x", draw(32), draw(16), draw(12),
+                                          0x8000U | draw(14), draw(16), draw(32)));
 }
 
 // The same for the same scan, so that a call goes on from where an earlier one stopped that came to nothing, in
 // whatever process that was. Needs no more: other bytes under the name would not have the digest.
 std::string UploadNameOf(const v1::UploadScanStart& start) {
   const v1::Digest digest = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, start.SerializeAsString());
-  return absl::StrCat("uploads/", wire::HexText(digest.value()));
+  return wire::UploadName(wire::HexText(digest.value()));
 }
 
 absl::Status ValidateTransferOptions(const TransferOptions& options) {

@@ -35,6 +35,7 @@
 #include "server/traverses/traverse_service.h"
 #include "server/traverses/traverses.h"
 #include "server/warm_up.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
@@ -187,14 +188,14 @@ absl::Status WholeServer::OpenStore() {
   if (!store.ok()) return store.status();
   store_ = *std::move(store);
   AddStoreGauges(metrics_, *store_, limits_.max_stored_bytes, config_.data_dir);
-  for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", "scans/" + id}});
+  for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", wire::ScanName(id)}});
   const StoreFindings findings = store_->Findings();
   if (findings.num_lost_files > 0) {
     logger_->Error("files_lost", {{"count", static_cast<int64_t>(findings.num_lost_files)},
                                   {"folder", ScanStore::LostFolder(config_.data_dir)}});
   }
   for (const std::string& id : findings.emptied_uploads) {
-    logger_->Error("upload_emptied", {{"upload", "uploads/" + id}});
+    logger_->Error("upload_emptied", {{"upload", wire::UploadName(id)}});
   }
   const StoreStatistics statistics = store_->Statistics();
   logger_->Info("store_opened", {{"data_dir", config_.data_dir},

@@ -12,6 +12,7 @@
 #include "wire/error.h"
 #include "wire/point_codec.h"
 #include "wire/point_layout.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
@@ -32,7 +33,7 @@ uint64_t FinishingBytes(const UploadDescription& description) {
 
 absl::StatusOr<UploadDescription> Describe(v1::UploadScanStart& start, const LimitsConfig& limits) {
   UploadDescription description;
-  absl::StatusOr<std::string> id = UploadIdOf(start.upload(), "start.upload");
+  absl::StatusOr<std::string> id = wire::UploadIdOf(start.upload(), "start.upload");
   if (!id.ok()) return id.status();
   description.id = *std::move(id);
   if (!start.has_header()) return wire::FieldError("start.header", "is missing");

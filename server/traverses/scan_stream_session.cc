@@ -13,6 +13,7 @@
 #include "wire/cloud_header.h"
 #include "wire/digest.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
@@ -57,7 +58,8 @@ ScanStreamSession::Answer ScanStreamSession::Handle(v1::StreamScansRequest& requ
 }
 
 ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& start) {
-  if (const absl::Status named = TraverseIdOf(start.traverse(), "start.traverse").status(); !named.ok()) return named;
+  if (const absl::Status named = wire::TraverseIdOf(start.traverse(), "start.traverse").status(); !named.ok())
+    return named;
   Traverses& traverses = *environment_.traverses;
   absl::StatusOr<StreamTicket> ticket = traverses.BeginStream(start.traverse(), replaced_);
   if (!ticket.ok()) return ticket.status();
@@ -100,7 +102,7 @@ ScanStreamSession::Answer ScanStreamSession::Announce(v1::StreamedScanHeader& he
   // The store knows payloads by XXH3_128 alone; with another digest the transfer tells which scan it is.
   const v1::Digest& digest = scan_->header.payload_digest();
   if (known && digest.algorithm() == v1::DIGEST_ALGORITHM_XXH3_128) {
-    return AddToTraverse(ScanName(ScanId(scan_->header.header(), digest)));
+    return AddToTraverse(wire::ScanName(ScanId(scan_->header.header(), digest)));
   }
   return BeginUpload();
 }
@@ -124,7 +126,7 @@ absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::StartUpload() {
   upload_ = std::make_unique<UploadSession>(environment_.uploads, replaced_);
   v1::UploadScanRequest request;
   v1::UploadScanStart& start = *request.mutable_start();
-  start.set_upload(UploadName(StreamedUploadId(ticket_->traverse_id, scan_->header.sequence_number())));
+  start.set_upload(wire::UploadName(StreamedUploadId(ticket_->traverse_id, scan_->header.sequence_number())));
   *start.mutable_header() = scan_->header.header();
   start.set_payload_bytes(scan_->header.payload_bytes());
   *start.mutable_payload_digest() = scan_->header.payload_digest();
@@ -179,7 +181,7 @@ ScanStreamSession::Answer ScanStreamSession::Finish() {
 }
 
 ScanStreamSession::Answer ScanStreamSession::AddToTraverse(const std::string& scan_name) {
-  absl::StatusOr<std::string> scan_id = ScanIdOf(scan_name, "name");
+  absl::StatusOr<std::string> scan_id = wire::ScanIdOf(scan_name, "name");
   if (!scan_id.ok()) return scan_id.status();
   const absl::StatusOr<uint64_t> next = environment_.traverses->AddScan(*ticket_, scan_->header, *scan_id);
   if (!next.ok()) return next.status();
@@ -193,7 +195,7 @@ v1::StreamScansResponse ScanStreamSession::Complete(const std::string& scan_id) 
   scan_->committed_offset = scan_->header.payload_bytes();
   v1::StreamScansResponse response = Ack();
   response.mutable_ack()->set_complete(true);
-  response.mutable_ack()->set_scan(ScanName(scan_id));
+  response.mutable_ack()->set_scan(wire::ScanName(scan_id));
   return response;
 }
 
