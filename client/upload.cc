@@ -148,9 +148,9 @@ absl::StatusOr<UploadOutcome> UploadScan(Connection& connection, const curvereg:
   if (absl::Status status = ValidateTransferOptions(options); !status.ok()) return status;
   absl::StatusOr<UploadSource> encoded = SourceOf(scan, options.encoding);
   if (!encoded.ok()) return encoded.status();
-  LentBytes lender;  // waits in the end until gRPC has read what is the caller's
+  BorrowedSlices borrowed;  // its destructor waits until gRPC has released the caller's bytes
   UploadSource source = *std::move(encoded);
-  if (source.payload.owner == nullptr) source.payload.lender = &lender;
+  if (source.payload.owner == nullptr) source.payload.borrowed = &borrowed;
   source.start.mutable_header()->set_frame_id(options.frame_id);
   source.start.set_payload_bytes(source.payload.bytes.size());
   *source.start.mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, source.payload.bytes);
