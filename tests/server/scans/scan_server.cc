@@ -128,13 +128,13 @@ v1::UploadScanRequest FinishMessage(const std::optional<v1::Digest>& digest) {
   return request;
 }
 
-void SetPatience(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
+void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
   context.set_wait_for_ready(true);
   context.set_deadline(std::chrono::system_clock::now() + timeout);
 }
 
 UploadClient::UploadClient(v1::ScanService::Stub& stub, std::chrono::milliseconds timeout) {
-  SetPatience(context_, timeout);
+  SetDeadline(context_, timeout);
   stream_ = stub.UploadScan(&context_);
 }
 
@@ -205,7 +205,7 @@ std::string Downloaded::Bytes() const {
 
 Downloaded Download(v1::ScanService::Stub& stub, const v1::DownloadScanRequest& request) {
   grpc::ClientContext context;
-  SetPatience(context);
+  SetDeadline(context);
   const auto stream = stub.DownloadScan(&context, request);
   Downloaded downloaded;
   v1::DownloadScanResponse response;
