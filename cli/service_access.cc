@@ -49,7 +49,7 @@ absl::Status CheckServer(const std::string& server) {
   for (const char* scheme : {"dns:", "ipv4:", "ipv6:", "unix:", "unix-abstract:"}) {
     if (absl::StartsWith(server, scheme)) return absl::OkStatus();  // a name of gRPC's own, which it checks itself
   }
-  const absl::StatusOr<server::ListenAddress> address = server::ParseListenAddress(server);
+  const absl::StatusOr<wire::ListenAddress> address = wire::ParseListenAddress(server);
   if (address.ok() && address->port != 0 && !absl::StrContains(server, '/')) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("--server: ", server, ": expected HOST:PORT, the port from 1 to 65535, IPv6 addresses in brackets"));
