@@ -227,15 +227,14 @@ void WholeServer::AddServices(grpc::ServerBuilder& builder) {
   builder.RegisterService(registration_service_.get());
   builder.RegisterService(&health_);
   if (store_ == nullptr) return;
-  scan_service_ = std::make_unique<ScanService>(ScanBackend{.calls = Calls(),
-                                                            .limits = limits_,
-                                                            .disk_pool = &disk_pool_,
-                                                            .memory = &memory_,
-                                                            .cache = &cache_,
-                                                            .store = store_.get(),
-                                                            .traverses = traverses_.get()});
+  scan_service_ = std::make_unique<ScanService>(
+      ScanBackend{.calls = Calls(),
+                  .limits = limits_,
+                  .disk_pool = &disk_pool_,
+                  .memory = &memory_,
+                  .store = store_.get(),
+                  .delete_scan = [this](const std::string& scan_id) { return traverses_->DeleteScan(scan_id); }});
   builder.RegisterService(scan_service_.get());
-  if (traverses_ == nullptr) return;
   traverse_service_ = std::make_unique<TraverseService>(TraverseBackend{
       .calls = Calls(), .traverse_environment = ForTraverses(), .traverses = traverses_.get(), .maps = maps_.get()});
   builder.RegisterService(traverse_service_.get());

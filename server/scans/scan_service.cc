@@ -51,11 +51,7 @@ absl::Status ListScansWork(ScanStore& store, const v1::ListScansRequest& request
 
 absl::Status DeleteScanWork(const ScanBackend& backend, const v1::DeleteScanRequest& request) {
   const absl::StatusOr<std::string> id = wire::ScanIdOf(request.name(), "name");
-  if (!id.ok()) return id.status();
-  const absl::Status deleted =
-      backend.traverses != nullptr ? backend.traverses->DeleteScan(*id) : backend.store->DeleteScan(*id);
-  if (deleted.ok() && backend.cache != nullptr) backend.cache->Erase(request.name());
-  return deleted;
+  return id.ok() ? backend.delete_scan(*id) : id.status();
 }
 
 }  // namespace

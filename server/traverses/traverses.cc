@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/preparation/scan_deletion.h"
 #include "server/scheduling/delayed_calls.h"
 #include "server/store/page_token.h"
 #include "server/tracking/traverse_conversion.h"
@@ -291,9 +292,8 @@ void TraversesImpl::RemoveDoomedScan(const std::string& scan_id) {
   const std::lock_guard uses(uses_mutex_);
   const absl::StatusOr<bool> is_used = store_->IsScanUsed(scan_id);
   if (!is_used.ok() || *is_used) return;  // wanted again meanwhile
-  const absl::Status deleted = environment_.store->DeleteScan(scan_id);
+  const absl::Status deleted = DeleteStoredScan(scan_id, *environment_.store, *environment_.cache);
   if (!deleted.ok() && wire::ReasonOf(deleted) != v1::ERROR_REASON_SCAN_NOT_FOUND) return;
-  environment_.cache->Erase(wire::ScanName(scan_id));
   store_->Spare(scan_id).IgnoreError();
 }
 
@@ -302,7 +302,7 @@ absl::Status TraversesImpl::DeleteScan(const std::string& scan_id) {
   const absl::StatusOr<bool> is_used = store_->IsScanUsed(scan_id);
   if (!is_used.ok()) return is_used.status();
   if (*is_used) return wire::MakeError(v1::ERROR_REASON_SCAN_IN_USE, "a traverse uses the scan; delete that first");
-  return environment_.store->DeleteScan(scan_id);
+  return DeleteStoredScan(scan_id, *environment_.store, *environment_.cache);
 }
 
 absl::StatusOr<StreamTicket> TraversesImpl::BeginStream(const std::string& name, const std::stop_source& owner) {

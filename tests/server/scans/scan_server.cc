@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "server/preparation/scan_deletion.h"
 #include "tests/testing/scenes.h"
 #include "wire/digest.h"
 #include "wire/point_codec.h"
@@ -58,8 +59,10 @@ void ScanServer::StartUp() {
   backend.limits = options_.limits;
   backend.disk_pool = disk_pool_.get();
   backend.memory = memory_.get();
-  backend.cache = cache_.get();
   backend.store = store_.get();
+  backend.delete_scan = [this](const std::string& scan_id) {
+    return server::DeleteStoredScan(scan_id, *store_, *cache_);
+  };
   service_ = std::make_unique<server::ScanService>(backend);
   grpc::ServerBuilder builder;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);

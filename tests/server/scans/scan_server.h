@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "curvereg/v1/scan_service.grpc.pb.h"
+#include "server/preparation/prepared_scan_cache.h"
 #include "server/scans/scan_service.h"
 #include "wire/error.h"
 
