@@ -13,6 +13,7 @@ namespace curvereg::server {
 namespace {
 
 constexpr const char* kService = v1::ScanService::service_full_name();
+constexpr MethodTraits kUploadScan = {kService, "UploadScan", Scope::kWrite};
 constexpr MethodTraits kGetUpload = {kService, "GetUpload", Scope::kRead};
 constexpr MethodTraits kGetScan = {kService, "GetScan", Scope::kRead};
 constexpr MethodTraits kListScans = {kService, "ListScans", Scope::kRead};
@@ -71,7 +72,7 @@ ScanService::ScanService(const ScanBackend& backend)
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* ScanService::UploadScan(
     grpc::CallbackServerContext* context) {
-  return new UploadStream(uploads_, *context);
+  return new ChunkStream<UploadSession>(uploads_, kUploadScan, *context);
 }
 
 grpc::ServerWriteReactor<v1::DownloadScanResponse>* ScanService::DownloadScan(grpc::CallbackServerContext* context,

@@ -11,10 +11,10 @@
 #include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/rpc/call.h"
 #include "server/rpc/checked_service.h"
+#include "server/rpc/chunk_stream.h"
 #include "server/rpc/unary_disk_call.h"
 #include "server/scans/download_stream.h"
 #include "server/scans/upload_session.h"
-#include "server/scans/upload_stream.h"
 #include "server/scheduling/memory_budget.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
@@ -61,7 +61,7 @@ class ScanService final : public CheckedService<ScanServiceBase> {
 
   const ScanBackend backend_;
   UploadOwners upload_owners_;
-  const UploadStream::Environment uploads_;
+  const ChunkStream<UploadSession>::Environment uploads_;
   const DownloadStream::Environment downloads_;
 };
 
