@@ -45,7 +45,7 @@ v1::RegistrationOptions OptionsAt(Clock::time_point now, RegistrationOptions opt
   return wire::ToWire(options);
 }
 
-// When nobody waits for an answer any more.
+// The time after which an answer is of no use. None: no deadline.
 std::optional<Clock::time_point> LatestAnswer(const RegistrationOptions& options, Clock::duration call_timeout) {
   if (!options.deadline) return std::nullopt;
   const Clock::time_point now = Clock::now();

@@ -58,7 +58,7 @@ class ChunkStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc:
   }
 
   void OnReadDone(bool ok) override {
-    // While a read is under way, nobody else looks at these.
+    // While a read is under way, no other thread uses these.
     const bool is_readable = ok && Session::Parse(received_, arriving_);
     received_.Clear();
     std::unique_lock lock(mutex_);
@@ -171,8 +171,7 @@ class ChunkStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc:
         .num_requests = requests_.size(), .num_answers = answers_.size(), .num_notifications = notifications_.size()};
   }
 
-  // For one task: the chunks in front, or one request of another kind, for its answer must be told; of chunks the last
-  // answer is enough.
+  // For one task: the chunks in front, of which the last answer is enough, or one request of another kind.
   void TakeRequests() {
     auto end = std::find_if_not(requests_.begin(), requests_.end(), &Session::IsChunk);
     if (end == requests_.begin()) ++end;
@@ -204,7 +203,7 @@ class ChunkStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc:
     if (task.is_due()) in_flight_.takes_notifications = task.takes_notifications;
     if (state_.NextRead(Queued())) StartRead(&received_);
     lock.unlock();
-    // Without the lock, for the task may be refused or dropped at once. Until OnWorked nobody finishes the call.
+    // Without the lock, for the task may be refused or dropped at once. The call is not finished before OnWorked.
     if (task.is_due()) {
       RunOnPool(disk_pool_, call_,
                 {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});

@@ -130,7 +130,7 @@ class ResponseStream : public grpc::ServerWriteReactor<Response> {
     if (!state_.NextTask(Queued()).is_due()) return;
     WorkerPool& next_pool = pool();
     lock.unlock();
-    // Without the lock, for the task may be refused or dropped at once. Until OnWorked nobody finishes the call.
+    // Without the lock, for the task may be refused or dropped at once. The call is not finished before OnWorked.
     RunOnPool(next_pool, call_, {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});
   }
 

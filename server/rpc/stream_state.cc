@@ -43,7 +43,7 @@ StreamState::Output StreamState::NextOutput(const Pending& pending) {
   if (is_writing_ || is_interrupted_) return Output::kNothing;
   is_writing_ = true;
   if (has_answers) return Output::kAnswer;
-  // Answers are told even when the call ends with an error; notifications can be asked for again.
+  // Answers are written even when the call ends with an error. Notifications can be asked for again in another call.
   if (!end_.has_value() && pending.num_notifications > 0) return Output::kNotification;
   is_writing_ = false;
   return Output::kNothing;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // When a streaming call reads, works, writes and ends, without its messages and without gRPC. ChunkStream and
-// ResponseStream tell it what has happened and ask it what to start next.
+// ResponseStream report each event to it and ask it what to start next.
 #ifndef CURVEREG_SERVER_RPC_STREAM_STATE_H_
 #define CURVEREG_SERVER_RPC_STREAM_STATE_H_
 

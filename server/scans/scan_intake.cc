@@ -31,7 +31,7 @@ bool IsPlain(const v1::PointCloudHeader& header) {
 
 absl::StatusOr<std::optional<StoredScan>> ScanIntake::Begin(UploadDescription description) {
   description_ = std::move(description);
-  // Better said now than after the transfer.
+  // An error now saves the transfer.
   const uint64_t needed = FinishingBytes(description_);
   if (needed > environment_.memory->total_bytes()) {
     return wire::MakeError(
@@ -61,7 +61,7 @@ absl::StatusOr<std::optional<StoredScan>> ScanIntake::FindKnown() const {
   if (!digest.has_value() || digest->algorithm() != v1::DIGEST_ALGORITHM_XXH3_128) return std::nullopt;
   absl::StatusOr<std::optional<StoredScan>> known = environment_.store->FindScan(description_);
   if (!known.ok() || !known->has_value()) return known;
-  // What came of it in an earlier stream is of no use any more. Should this fail, it expires.
+  // The unfinished upload of an earlier stream is not needed any more. If this fails, it expires.
   if (environment_.store->GetUpload(description_.id).ok()) {
     const absl::StatusOr<std::unique_ptr<UploadWriter>> rest = environment_.store->BeginUpload(description_);
     if (rest.ok()) (*rest)->Discard().IgnoreError();
@@ -150,7 +150,7 @@ absl::StatusOr<UploadWriter::Committed> ScanIntake::Finish(const v1::Digest& dec
   }
   const std::optional<v1::ErrorReason> reason = wire::ReasonOf(committed.status());
   if (reason == v1::ERROR_REASON_DIGEST_MISMATCH || reason == v1::ERROR_REASON_MALFORMED_PAYLOAD) {
-    // Should this fail, it expires; the caller has the cause that matters.
+    // If this fails, the upload expires. The caller gets the error of the payload.
     writer_->Discard().IgnoreError();
   }
   return committed;

@@ -39,7 +39,7 @@ class SliceStream final : public google::protobuf::io::ZeroCopyInputStream {
     return true;
   }
 
-  // Of bytes that the last Next gave, so they lie in the same slice.
+  // Precondition: the last Next returned these bytes, so they are in the same slice.
   void BackUp(int count) override {
     offset_ -= static_cast<std::size_t>(count);
     count_ -= count;

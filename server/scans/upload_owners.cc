@@ -16,7 +16,7 @@ absl::Status UploadOwners::TakeOver(const std::string& upload_id, const std::sto
     // A new entry is without a state to stop.
     former = std::exchange(owners_.try_emplace(upload_id, std::nostopstate).first->second, owner);
   }
-  // Runs the other stream's reaction, so without a lock of ours.
+  // Runs the other stream's stop callback, so no lock may be held.
   former.request_stop();
   return absl::OkStatus();
 }

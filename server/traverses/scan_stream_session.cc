@@ -100,7 +100,7 @@ ScanStreamSession::Answer ScanStreamSession::Announce(v1::StreamedScanHeader& he
   if (absl::Status status = environment_.traverses->CheckScan(*ticket_, header, &known); !status.ok()) return status;
   scan_ = AnnouncedScan{.header = std::move(header)};  // clang 14 takes no emplace()
   intake_.emplace(environment_.uploads, stream_.replaced);
-  // The store knows payloads by XXH3_128 alone; with another digest the transfer tells which scan it is.
+  // The store knows payloads by XXH3_128 alone; with another digest the transfer is needed to identify the scan.
   const v1::Digest& digest = scan_->header.payload_digest();
   if (known && digest.algorithm() == v1::DIGEST_ALGORITHM_XXH3_128) {
     intake_->BeginStored(Describe());

@@ -88,7 +88,7 @@ class ScanStreamSession {
   uint64_t next_result_ = 0;           // sequence number
   std::optional<AnnouncedScan> scan_;
   std::optional<ScanIntake> intake_;  // of scan_
-  // Last, so that nothing wakes us when the rest is gone.
+  // Last: it is destroyed first, so that `wake` is not called while the rest is destroyed.
   std::unique_ptr<Traverses::Subscription> subscription_;
 };
 
