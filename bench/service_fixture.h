@@ -45,7 +45,7 @@ class ScratchFolder {
 class LoopbackService {
  public:
   explicit LoopbackService(const server::LimitsConfig& limits = {}, const server::TlsConfig& tls = {}) {
-    server::KeepFreedMemory();
+    KeepFreedMemory();
     server::ServerConfig config;
     config.listen = "127.0.0.1:0";
     config.ops_listen = "";

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "cli/progress_bar.h"
 #include "files/cloud_file.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::cli {
 
@@ -16,7 +17,7 @@ absl::StatusOr<Scan> ReadCloudArgument(const std::string& path, const CliContext
   CloudReadOptions options;
   options.progress = [&](double share) { bar.Update(share); };
   absl::StatusOr<Scan> scan = ReadCloudFile(path, options);
-  if (absl::IsNotFound(scan.status()) && path.rfind("scans/", 0) == 0) {
+  if (absl::IsNotFound(scan.status()) && path.starts_with(wire::kScanPrefix)) {
     return absl::NotFoundError(
         absl::StrCat(scan.status().message(),
                      " (the name of a scan on a server is scans/ and 32 hexadecimal digits, with --server)"));

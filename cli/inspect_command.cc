@@ -16,6 +16,7 @@
 #include "cli/service_access.h"
 #include "files/atomic_file.h"
 #include "files/result_json.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::cli {
 namespace {
@@ -43,7 +44,7 @@ Example:
 
 absl::StatusOr<RemotePictures> MakePictures(const Arguments& arguments, const CliContext& context) {
   const auto open = [&] { return ServiceAccess::Open(arguments.server, context); };
-  if (!arguments.server.server.empty() && IsScanName(arguments.scan)) {
+  if (!arguments.server.server.empty() && wire::IsScanName(arguments.scan)) {
     absl::StatusOr<ServiceAccess> service = open();
     if (!service.ok()) return service.status();
     return service->client().RenderScan(arguments.scan, arguments.threads, context.interrupted);

@@ -15,7 +15,6 @@
 #include "cli/cli_context.h"
 #include "cli/evaluate_command.h"
 #include "cli/inspect_command.h"
-#include "cli/interrupt_watcher.h"
 #include "cli/map_command.h"
 #include "cli/register_command.h"
 #include "cli/scans_command.h"
@@ -27,6 +26,7 @@
 #include "cli/watch_command.h"
 #include "program/heap_tuning.h"
 #include "program/program_arguments.h"
+#include "program/termination_signals.h"
 
 namespace curvereg::cli {
 namespace {
@@ -43,7 +43,7 @@ ExitCode ReportUsage(const CLI::App& app, const CLI::ParseError& error, const st
 void RefuseEmptyValues(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const bool takes_value = option->get_items_expected_max() > 0;
-    if (takes_value && option->get_name() != "--server") option->check(server::CheckNotEmpty);
+    if (takes_value && option->get_name() != "--server") option->check(CheckNotEmpty);
   }
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) RefuseEmptyValues(*command);
 }
@@ -58,15 +58,15 @@ ExitCode ParseAndRun(int argc, char** argv) {
                                          AddMapCommand(app),      AddTraverseCommand(app)};
   RefuseEmptyValues(app);
   try {
-    server::ParseArguments(app, argc, argv);
+    ParseArguments(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     return ReportUsage(app, error, argc > 1 ? argv[1] : "");
   }
   setenv("GRPC_VERBOSITY", "NONE", 0);  // its many lines repeat our one error message
-  server::KeepFreedMemory();            // the service runs in this process unless --server is given
-  const InterruptWatcher watcher;
+  KeepFreedMemory();                    // the service runs in this process unless --server is given
+  const TerminationSignals signals("curvereg: interrupted again, leaving at once\n");
   for (const Command& command : commands) {
-    if (command.app->parsed()) return command.run({.interrupted = watcher.token()});
+    if (command.app->parsed()) return command.run({.interrupted = signals.token()});
   }
   return ExitCode::kUsage;  // unreachable: a subcommand is required
 }

@@ -18,6 +18,7 @@
 #include "cli/service_access.h"
 #include "files/cloud_file.h"
 #include "files/result_json.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::cli {
 namespace {
@@ -107,7 +108,7 @@ struct Side {
 
 absl::StatusOr<Side> ReadSide(const std::string& argument, const std::string& gravity, const Arguments& arguments,
                               const CliContext& context) {
-  if (!arguments.server.server.empty() && IsScanName(argument)) {
+  if (!arguments.server.server.empty() && wire::IsScanName(argument)) {
     if (gravity.empty()) return Side{.scan = std::nullopt, .name = argument};
     return absl::InvalidArgumentError(absl::StrCat(argument, ": a scan stored on the server has its own gravity"));
   }

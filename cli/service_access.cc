@@ -49,7 +49,7 @@ absl::Status CheckServer(const std::string& server) {
   for (const char* scheme : {"dns:", "ipv4:", "ipv6:", "unix:", "unix-abstract:"}) {
     if (absl::StartsWith(server, scheme)) return absl::OkStatus();  // a gRPC name, which gRPC checks
   }
-  const absl::StatusOr<server::ListenAddress> address = server::ParseListenAddress(server);
+  const absl::StatusOr<wire::ListenAddress> address = wire::ParseListenAddress(server);
   if (address.ok() && address->port != 0 && !absl::StrContains(server, '/')) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("--server: ", server, ": expected HOST:PORT, the port from 1 to 65535, IPv6 addresses in brackets"));
@@ -204,13 +204,6 @@ TransferOptions LosslessTransfer(const CliContext& context) {
   options.encoding.kind = TransferEncoding::Kind::kLossless;
   options.cancellation = context.interrupted;
   return options;
-}
-
-bool IsScanName(const std::string& argument) {
-  constexpr std::size_t kDigits = 32;
-  const std::string prefix = "scans/";
-  return argument.size() == prefix.size() + kDigits && argument.compare(0, prefix.size(), prefix) == 0 &&
-         argument.find_first_not_of("0123456789abcdef", prefix.size()) == std::string::npos;
 }
 
 absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan, const CliContext& context) {

@@ -69,9 +69,6 @@ absl::StatusOr<ScanReference> OfferScan(ServiceAccess& service, const Scan& scan
 // A transfer without loss and without a progress bar.
 TransferOptions LosslessTransfer(const CliContext& context);
 
-// True for "scans/" and 32 hexadecimal digits: the name of a scan that a server keeps.
-bool IsScanName(const std::string& argument);
-
 // How inline scans are sent: without loss, so that a server answers what this process would.
 inline constexpr TransferEncoding kInlineEncoding{.kind = TransferEncoding::Kind::kRaw};
 

@@ -8,13 +8,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "files/result_json.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::cli {
-namespace {
-
-constexpr char kPrefix[] = "traverses/";
-
-}  // namespace
 
 void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const std::string& json_help) {
   command.add_flag("--json", arguments.json, json_help);
@@ -25,7 +21,9 @@ void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const s
   AddServerOptions(command, arguments.server);
 }
 
-std::string TraverseName(const std::string& id) { return id.starts_with(kPrefix) ? id : kPrefix + id; }
+std::string TraverseName(const std::string& id) {
+  return id.starts_with(wire::kTraversePrefix) ? id : wire::TraverseName(id);
+}
 
 absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, DataFolder folder,
                                             const CliContext& context) {

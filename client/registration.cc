@@ -19,8 +19,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// After the deadline, for an answer that is on its way.
-constexpr std::chrono::seconds kPatience(2);
+// How long after the deadline an answer is still waited for.
+constexpr std::chrono::seconds kAnswerGrace(2);
 
 absl::StatusOr<v1::RegisterScansRequest> RequestOf(const ScanReference& source, const ScanReference& target,
                                                    const TransferEncoding& encoding) {
@@ -45,11 +45,11 @@ v1::RegistrationOptions OptionsAt(Clock::time_point now, RegistrationOptions opt
   return wire::ToWire(options);
 }
 
-// When nobody waits for an answer any more.
+// The time after which an answer is of no use. None: no deadline.
 std::optional<Clock::time_point> LatestAnswer(const RegistrationOptions& options, Clock::duration call_timeout) {
   if (!options.deadline) return std::nullopt;
   const Clock::time_point now = Clock::now();
-  return std::clamp(*options.deadline, now, now + call_timeout) + kPatience;
+  return std::clamp(*options.deadline, now, now + call_timeout) + kAnswerGrace;
 }
 
 RegistrationResult OutOfTime(const RegistrationOptions& options) {

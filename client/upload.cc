@@ -17,6 +17,7 @@
 #include "client/upload_stream.h"
 #include "wire/digest.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::internal {
 namespace {
@@ -25,15 +26,15 @@ namespace {
 std::string RandomUploadName() {
   std::random_device device;
   const auto draw = [&device](int num_bits) { return device() >> (32 - num_bits); };
-  return absl::StrFormat("uploads/%08x-%04x-4%03x-%04x-%04x%08x", draw(32), draw(16), draw(12), 0x8000U | draw(14),
-                         draw(16), draw(32));
+  return wire::UploadName(absl::StrFormat("%08x-%04x-4%03x-%04x-%04x%08x", draw(32), draw(16), draw(12),
+                                          0x8000U | draw(14), draw(16), draw(32)));
 }
 
 // The same for the same scan, so that a call goes on from where an earlier one stopped that came to nothing, in
 // whatever process that was. Needs no more: other bytes under the name would not have the digest.
 std::string UploadNameOf(const v1::UploadScanStart& start) {
   const v1::Digest digest = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, start.SerializeAsString());
-  return absl::StrCat("uploads/", wire::HexText(digest.value()));
+  return wire::UploadName(wire::HexText(digest.value()));
 }
 
 absl::Status ValidateTransferOptions(const TransferOptions& options) {
@@ -147,9 +148,9 @@ absl::StatusOr<UploadOutcome> UploadScan(Connection& connection, const curvereg:
   if (absl::Status status = ValidateTransferOptions(options); !status.ok()) return status;
   absl::StatusOr<UploadSource> encoded = SourceOf(scan, options.encoding);
   if (!encoded.ok()) return encoded.status();
-  LentBytes lender;  // waits in the end until gRPC has read what is the caller's
+  BorrowedSlices borrowed;  // its destructor waits until gRPC has released the caller's bytes
   UploadSource source = *std::move(encoded);
-  if (source.payload.owner == nullptr) source.payload.lender = &lender;
+  if (source.payload.owner == nullptr) source.payload.borrowed = &borrowed;
   source.start.mutable_header()->set_frame_id(options.frame_id);
   source.start.set_payload_bytes(source.payload.bytes.size());
   *source.start.mutable_payload_digest() = wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, source.payload.bytes);

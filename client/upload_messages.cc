@@ -20,7 +20,7 @@ constexpr uint32_t LengthDelimitedTag(int field_number) { return static_cast<uin
 grpc::Slice SliceOf(const UploadPayload& payload, uint64_t offset, uint64_t size) {
   if (payload.owner == nullptr) {
     const std::string_view bytes = payload.bytes.substr(offset, size);
-    return payload.lender == nullptr ? grpc::Slice(bytes.data(), bytes.size()) : payload.lender->Lend(bytes);
+    return payload.borrowed == nullptr ? grpc::Slice(bytes.data(), bytes.size()) : payload.borrowed->Borrow(bytes);
   }
   auto* keeper = new std::shared_ptr<const std::string>(payload.owner);
   // gRPC takes a pointer to non-const and does not write through it.

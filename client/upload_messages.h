@@ -12,17 +12,17 @@
 #include <string>
 #include <string_view>
 
-#include "client/lent_bytes.h"
+#include "client/borrowed_slices.h"
 #include "curvereg/v1/scan_service.pb.h"
 
 namespace curvereg::internal {
 
-// The bytes to send. With an owner, messages refer to them and keep the owner, for gRPC may hold a message longer than
-// its call; with a lender (bytes of the caller's), they refer to them as lent; with neither, messages have copies.
+// The bytes to send. gRPC may hold a message longer than its call. So messages refer to the bytes and share the owner,
+// where there is one; refer to the caller's bytes and are counted in `borrowed`, where that is given; else copy them.
 struct UploadPayload {
   std::string_view bytes;
   std::shared_ptr<const std::string> owner;
-  LentBytes* lender = nullptr;
+  BorrowedSlices* borrowed = nullptr;
 };
 
 grpc::ByteBuffer SerializedRequest(const v1::UploadScanRequest& request);

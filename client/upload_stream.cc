@@ -141,8 +141,9 @@ void UploadStream::SendNext() {
       finish_sent_ = true;
     }
     writing_ = true;
-    // Whoever lends must wait, should the link die, until gRPC notices. So only where the copy would cost time.
-    if (!window_.IsWideOpen()) payload.lender = nullptr;
+    // A caller of borrowed bytes waits, on a broken link, until gRPC notices that. So only where a copy would cost
+    // time.
+    if (!window_.IsWideOpen()) payload.borrowed = nullptr;
   }
   // Only one message is under way at a time, so message_ is ours here.
   if (size > 0) {

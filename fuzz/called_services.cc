@@ -71,9 +71,8 @@ CalledServices::CalledServices() : folder_(NewFolder()) {
   scans.limits = limits;
   scans.disk_pool = &disk_pool_;
   scans.memory = &memory_;
-  scans.cache = &cache_;
   scans.store = store_.get();
-  scans.traverses = traverses_.get();
+  scans.delete_scan = [this](const std::string& scan_id) { return traverses_->DeleteScan(scan_id); };
   scan_service_ = std::make_unique<ScanService>(scans);
   traverse_service_ =
       std::make_unique<TraverseService>(TraverseBackend{calls, environment, traverses_.get(), maps_.get()});

@@ -5,7 +5,6 @@
 // what must fit together is mended.
 #include <cstdint>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,9 +56,9 @@ void CheckScanStream(std::string_view bytes, bool mended) {
   UploadOwners owners;
   testing::FakeTraverses traverses;
   const ScanStreamSession::Environment environment = {{FuzzLimits(), &memory, &store, &metrics, &owners}, &traverses};
-  ScanStreamSession session(environment, std::stop_source(), [] {});
+  ScanStreamSession session(environment, {.replaced = {}, .wake = [] {}});
   for (v1::StreamScansRequest& request : requests) {
-    const absl::StatusOr<std::optional<v1::StreamScansResponse>> answer = session.Handle(request);
+    const ScanStreamSession::Answer answer = session.Handle(request);
     CheckError(answer.status());
     if (!answer.ok()) break;
   }

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -39,7 +38,7 @@ void CheckUpload(std::string_view bytes, bool mended) {
   MemoryBudget memory(uint64_t{64} << 20);
   UploadOwners owners;
   const UploadEnvironment environment = {FuzzLimits(), &memory, &store, &metrics, &owners};
-  UploadSession session(environment, std::stop_source());
+  UploadSession session(environment, {});
   std::string payload;
   while (std::optional<std::string> text = NextText(bytes)) {
     v1::UploadScanRequest request;
@@ -54,9 +53,9 @@ void CheckUpload(std::string_view bytes, bool mended) {
     UploadMessage message;
     Require(message.Parse(grpc::ByteBuffer(slices.data(), slices.size())) == is_request);
     if (!is_request) return;
-    const absl::StatusOr<v1::UploadScanResponse> answer = session.Handle(message);
+    const UploadSession::Answer answer = session.Handle(message);
     CheckError(answer.status());
-    if (!answer.ok() || answer->has_done()) break;
+    if (!answer.ok() || session.is_done()) break;
   }
   Require(memory.reserved_bytes() == 0);
 }

@@ -8,7 +8,7 @@
 #include <malloc.h>
 #endif
 
-namespace curvereg::server {
+namespace curvereg {
 
 void KeepFreedMemory() {
 #ifdef __GLIBC__
@@ -19,4 +19,4 @@ void KeepFreedMemory() {
 #endif
 }
 
-}  // namespace curvereg::server
+}  // namespace curvereg

@@ -5,7 +5,7 @@
 #ifndef CURVEREG_PROGRAM_HEAP_TUNING_H_
 #define CURVEREG_PROGRAM_HEAP_TUNING_H_
 
-namespace curvereg::server {
+namespace curvereg {
 
 // Lets the process keep up to some 100 MB that it freed instead of giving it back to the kernel, which would clear each
 // page again at the next scan: without it two scans sent along cost 12 ms more than the core alone, with it 4 ms
@@ -13,6 +13,6 @@ namespace curvereg::server {
 // where the C library is not glibc.
 void KeepFreedMemory();
 
-}  // namespace curvereg::server
+}  // namespace curvereg
 
 #endif  // CURVEREG_PROGRAM_HEAP_TUNING_H_

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace curvereg::server {
+namespace curvereg {
 namespace {
 
 // The command of this name below `command`, or else `command`.
@@ -54,4 +54,4 @@ void ParseArguments(CLI::App& app, int argc, const char* const* argv) {
 
 std::string CheckNotEmpty(const std::string& text) { return text.empty() ? "must not be empty" : ""; }
 
-}  // namespace curvereg::server
+}  // namespace curvereg

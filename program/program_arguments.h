@@ -11,7 +11,7 @@ namespace CLI {
 class App;
 }  // namespace CLI
 
-namespace curvereg::server {
+namespace curvereg {
 
 // As app.parse(argc, argv), but `--name=` gives the option an empty value; CLI11 alone takes the next argument for it,
 // so that a script's `--data-dir=$UNSET` would swallow a flag. Throws CLI::ParseError, also for a switch with `=` and
@@ -21,6 +21,6 @@ void ParseArguments(CLI::App& app, int argc, const char* const* argv);
 // Check of an option's text, as CLI11 asks for it: empty when it may pass, else what is wrong.
 std::string CheckNotEmpty(const std::string& text);
 
-}  // namespace curvereg::server
+}  // namespace curvereg
 
 #endif  // CURVEREG_PROGRAM_PROGRAM_ARGUMENTS_H_

@@ -9,8 +9,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <utility>
 
-namespace curvereg::server {
+namespace curvereg {
 namespace {
 
 constexpr int kEndOfWatch = SIGUSR1;  // from our own destructor
@@ -24,9 +25,9 @@ sigset_t WatchedSignals() {
   return signals;
 }
 
-void Watch(const std::stop_token& finished, std::stop_source requested) {
+void Watch(const std::stop_token& finished, std::stop_source requested, const std::string& second_signal_message) {
   using Clock = std::chrono::steady_clock;
-  constexpr auto kOneRequest = std::chrono::milliseconds(500);  // timeout(1) delivers one request twice
+  constexpr auto kOneRequest = std::chrono::milliseconds(500);  // timeout(1) and shells deliver one request twice
   const sigset_t signals = WatchedSignals();
   Clock::time_point first_request;
   int signal = 0;
@@ -35,8 +36,7 @@ void Watch(const std::stop_token& finished, std::stop_source requested) {
     if (requested.request_stop()) {
       first_request = Clock::now();
     } else if (Clock::now() - first_request > kOneRequest) {
-      constexpr char kMessage[] = "curvereg-server: asked to stop again, leaving at once\n";
-      static_cast<void>(!write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1));
+      static_cast<void>(!write(STDERR_FILENO, second_signal_message.data(), second_signal_message.size()));
       _exit(1);
     }
   }
@@ -44,11 +44,10 @@ void Watch(const std::stop_token& finished, std::stop_source requested) {
 
 }  // namespace
 
-TerminationSignals::TerminationSignals() {
-  signal(SIGPIPE, SIG_IGN);
+TerminationSignals::TerminationSignals(std::string second_signal_message) {
   const sigset_t signals = WatchedSignals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  thread_ = std::jthread(Watch, requested_);
+  thread_ = std::jthread(Watch, requested_, std::move(second_signal_message));
 }
 
 TerminationSignals::~TerminationSignals() {
@@ -63,4 +62,4 @@ void TerminationSignals::Wait() const {
   woken.wait(lock, requested_.get_token(), [] { return false; });
 }
 
-}  // namespace curvereg::server
+}  // namespace curvereg

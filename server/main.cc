@@ -3,6 +3,7 @@
 //
 // curvereg-server: exit status 0 after a shutdown that was asked for, 1 when it cannot serve, 2 for wrong settings.
 #include <google/protobuf/stubs/logging.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -79,7 +80,9 @@ void LogListening(const ServerConfig& config, const Server& server, Logger& logg
 }
 
 ExitStatus ServeUntilSignal(const ServerConfig& config, const std::string& ports_file) {
-  const TerminationSignals signals;  // before any thread exists
+  signal(SIGPIPE, SIG_IGN);  // a peer that went away is an error of the write
+  // Before any thread exists.
+  const TerminationSignals signals("curvereg-server: asked to stop again, leaving at once\n");
   KeepFreedMemory();
   google::protobuf::SetLogHandler(nullptr);  // it would print what clients sent, past our log
   absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config.log, stderr);

@@ -35,6 +35,7 @@
 #include "server/traverses/traverse_service.h"
 #include "server/traverses/traverses.h"
 #include "server/warm_up.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
@@ -187,14 +188,14 @@ absl::Status WholeServer::OpenStore() {
   if (!store.ok()) return store.status();
   store_ = *std::move(store);
   AddStoreGauges(metrics_, *store_, limits_.max_stored_bytes, config_.data_dir);
-  for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", "scans/" + id}});
+  for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", wire::ScanName(id)}});
   const StoreFindings findings = store_->Findings();
   if (findings.num_lost_files > 0) {
     logger_->Error("files_lost", {{"count", static_cast<int64_t>(findings.num_lost_files)},
                                   {"folder", ScanStore::LostFolder(config_.data_dir)}});
   }
   for (const std::string& id : findings.emptied_uploads) {
-    logger_->Error("upload_emptied", {{"upload", "uploads/" + id}});
+    logger_->Error("upload_emptied", {{"upload", wire::UploadName(id)}});
   }
   const StoreStatistics statistics = store_->Statistics();
   logger_->Info("store_opened", {{"data_dir", config_.data_dir},
@@ -226,15 +227,14 @@ void WholeServer::AddServices(grpc::ServerBuilder& builder) {
   builder.RegisterService(registration_service_.get());
   builder.RegisterService(&health_);
   if (store_ == nullptr) return;
-  scan_service_ = std::make_unique<ScanService>(ScanBackend{.calls = Calls(),
-                                                            .limits = limits_,
-                                                            .disk_pool = &disk_pool_,
-                                                            .memory = &memory_,
-                                                            .cache = &cache_,
-                                                            .store = store_.get(),
-                                                            .traverses = traverses_.get()});
+  scan_service_ = std::make_unique<ScanService>(
+      ScanBackend{.calls = Calls(),
+                  .limits = limits_,
+                  .disk_pool = &disk_pool_,
+                  .memory = &memory_,
+                  .store = store_.get(),
+                  .delete_scan = [this](const std::string& scan_id) { return traverses_->DeleteScan(scan_id); }});
   builder.RegisterService(scan_service_.get());
-  if (traverses_ == nullptr) return;
   traverse_service_ = std::make_unique<TraverseService>(TraverseBackend{
       .calls = Calls(), .traverse_environment = ForTraverses(), .traverses = traverses_.get(), .maps = maps_.get()});
   builder.RegisterService(traverse_service_.get());

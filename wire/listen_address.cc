@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace curvereg::server {
+namespace curvereg::wire {
 namespace {
 
 bool IsLoopback(const std::string& host) {
@@ -44,4 +44,4 @@ absl::StatusOr<ListenAddress> ParseListenAddress(std::string_view text) {
   return address;
 }
 
-}  // namespace curvereg::server
+}  // namespace curvereg::wire

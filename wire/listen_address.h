@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+//
+// HOST:PORT: where a server listens, and where a client finds it.
 #ifndef CURVEREG_WIRE_LISTEN_ADDRESS_H_
 #define CURVEREG_WIRE_LISTEN_ADDRESS_H_
 
@@ -9,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace curvereg::server {
+namespace curvereg::wire {
 
 struct ListenAddress {
   std::string host;  // without brackets
@@ -21,6 +23,6 @@ struct ListenAddress {
 // is not a number from 0 to 65535.
 absl::StatusOr<ListenAddress> ParseListenAddress(std::string_view text);
 
-}  // namespace curvereg::server
+}  // namespace curvereg::wire
 
 #endif  // CURVEREG_WIRE_LISTEN_ADDRESS_H_

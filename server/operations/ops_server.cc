@@ -109,7 +109,7 @@ struct OpsServer::State {
 };
 
 absl::StatusOr<std::unique_ptr<OpsServer>> OpsServer::Start(const std::string& listen, const OpsSources& sources) {
-  const absl::StatusOr<ListenAddress> address = ParseListenAddress(listen);
+  const absl::StatusOr<wire::ListenAddress> address = wire::ParseListenAddress(listen);
   if (!address.ok()) return address.status();
   if (address->host.find(':') != std::string::npos && mg_check_feature(MG_FEATURES_IPV6) == 0) {
     return absl::InvalidArgumentError("ops_listen: the HTTP library of this build knows no IPv6: " + listen);

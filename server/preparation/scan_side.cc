@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/scans/scan_conversion.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
@@ -34,7 +34,7 @@ absl::StatusOr<ScanSide> ScanSide::Find(const v1::ScanInput& input, const std::s
 }
 
 absl::Status ScanSide::FindStored() {
-  absl::StatusOr<std::string> id = ScanIdOf(input_->name(), absl::StrCat(field_, ".name"));
+  absl::StatusOr<std::string> id = wire::ScanIdOf(input_->name(), absl::StrCat(field_, ".name"));
   if (!id.ok()) return id.status();
   id_ = *std::move(id);
   if (backend_->store == nullptr) {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "server/preparation/scan_side.h"
-#include "server/scans/scan_conversion.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 
@@ -23,7 +23,7 @@ TraverseScans::~TraverseScans() {
 
 absl::StatusOr<std::shared_ptr<const PreparedScan>> TraverseScans::Load(const std::string& scan_id, const Stop& stop) {
   v1::ScanInput input;
-  input.set_name(ScanName(scan_id));
+  input.set_name(wire::ScanName(scan_id));
   const absl::StatusOr<ScanSide> scan = ScanSide::Find(input, "scan", backend_);
   if (!scan.ok()) return scan.status();
   const absl::StatusOr<MemoryBudget::Reservation> reservation = backend_.memory->Reserve(scan->MemoryBytes());

@@ -31,7 +31,10 @@ Clock::time_point AnswerBy(Clock::time_point now, Clock::time_point deadline) {
 
 RegisterCall::RegisterCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
                            const v1::RegisterScansRequest& request, v1::RegisterScansResponse& response)
-    : ComputingCall(backend, kTraits, context), request_(request), response_(response) {}
+    : ComputingCall({backend.calls, *backend.memory, *backend.pool}, kTraits, context),
+      backend_(backend),
+      request_(request),
+      response_(response) {}
 
 absl::StatusOr<uint64_t> RegisterCall::Check() {
   absl::StatusOr<RegistrationOptions> options =

@@ -11,6 +11,7 @@
 #include "core/methods/registration_options.h"
 #include "core/methods/registration_result.h"
 #include "server/preparation/scan_side.h"
+#include "server/registration/registration_service.h"
 #include "server/rpc/computing_call.h"
 
 namespace curvereg::server {
@@ -24,7 +25,7 @@ class RegisterCall final : public ComputingCall {
  public:
   static const MethodTraits kTraits;
 
-  // Request and response outlive the call.
+  // All outlive the call.
   RegisterCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
                const v1::RegisterScansRequest& request, v1::RegisterScansResponse& response);
 
@@ -33,10 +34,12 @@ class RegisterCall final : public ComputingCall {
   absl::Status Compute(const Stop& stop) override;
   void Release() override { source_ = target_ = std::nullopt; }
 
+  const RegistrationBackend& backend() const { return backend_; }
   absl::StatusOr<RegistrationResult> Register() const;
   absl::StatusOr<RegistrationResult> RegisterDecoded() const;
   absl::StatusOr<RegistrationResult> RegisterPrepared() const;
 
+  const RegistrationBackend& backend_;
   const v1::RegisterScansRequest& request_;
   v1::RegisterScansResponse& response_;
   RegistrationOptions options_;

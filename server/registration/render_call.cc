@@ -42,7 +42,10 @@ const MethodTraits RenderCall::kTraits = {v1::RegistrationService::service_full_
 
 RenderCall::RenderCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
                        const v1::RenderScanRequest& request, v1::RenderScanResponse& response)
-    : ComputingCall(backend, kTraits, context), request_(request), response_(response) {}
+    : ComputingCall({backend.calls, *backend.memory, *backend.pool}, kTraits, context),
+      backend_(backend),
+      request_(request),
+      response_(response) {}
 
 absl::StatusOr<uint64_t> RenderCall::Check() {
   absl::StatusOr<std::set<PictureKind>> kinds = KindsOf(request_);

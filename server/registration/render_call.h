@@ -10,6 +10,7 @@
 
 #include "render/scan_pictures.h"
 #include "server/preparation/scan_side.h"
+#include "server/registration/registration_service.h"
 #include "server/rpc/computing_call.h"
 
 namespace curvereg::server {
@@ -18,7 +19,7 @@ class RenderCall final : public ComputingCall {
  public:
   static const MethodTraits kTraits;
 
-  // Request and response outlive the call.
+  // All outlive the call.
   RenderCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
              const v1::RenderScanRequest& request, v1::RenderScanResponse& response);
 
@@ -27,8 +28,10 @@ class RenderCall final : public ComputingCall {
   absl::Status Compute(const Stop& stop) override;
   void Release() override { scan_ = std::nullopt; }
 
+  const RegistrationBackend& backend() const { return backend_; }
   absl::Status Answer(const ScanPictures& pictures, const Stop& stop);
 
+  const RegistrationBackend& backend_;
   const v1::RenderScanRequest& request_;
   v1::RenderScanResponse& response_;
   std::set<PictureKind> kinds_;

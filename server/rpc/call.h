@@ -38,7 +38,7 @@ struct MethodTraits {
   Scope scope;
 };
 
-// CANCELLED: nobody is there to be answered.
+// CANCELLED: there is no caller left to answer.
 inline absl::Status CallerIsGone() { return absl::CancelledError("the caller cancelled or is gone"); }
 
 class Call {

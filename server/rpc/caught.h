@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The one place where exceptions of libraries (want of memory above all) are caught; our code throws none.
+// The one place that catches exceptions of libraries, above all std::bad_alloc. Our code throws none.
 #ifndef CURVEREG_SERVER_RPC_CAUGHT_H_
 #define CURVEREG_SERVER_RPC_CAUGHT_H_
 

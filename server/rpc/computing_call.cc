@@ -8,6 +8,7 @@
 #include "server/rpc/caught.h"
 
 namespace curvereg::server {
+
 grpc::ServerUnaryReactor* ComputingCall::Start() {
   grpc::ServerUnaryReactor* const reactor = this;
   call_.CountReceived();
@@ -20,17 +21,17 @@ grpc::ServerUnaryReactor* ComputingCall::Start() {
 absl::Status ComputingCall::Queue() {
   const absl::StatusOr<uint64_t> bytes = Check();
   if (!bytes.ok()) return bytes.status();
-  absl::StatusOr<MemoryBudget::Reservation> reservation = backend_.memory->Reserve(*bytes);
+  absl::StatusOr<MemoryBudget::Reservation> reservation = environment_.memory.Reserve(*bytes);
   if (!reservation.ok()) return reservation.status();
   reservation_ = *std::move(reservation);
-  return backend_.pool->Submit({.client = call_.client(),
-                                .cancellation = call_.stop().cancellation,
-                                .run =
-                                    [this](std::chrono::nanoseconds waited) {
-                                      backend_.calls.metrics->QueueWaited(waited);
-                                      Run();
-                                    },
-                                .drop = [this](const absl::Status& reason) { End(reason); }});
+  return environment_.pool.Submit({.client = call_.client(),
+                                   .cancellation = call_.stop().cancellation,
+                                   .run =
+                                       [this](std::chrono::nanoseconds waited) {
+                                         environment_.calls.metrics->QueueWaited(waited);
+                                         Run();
+                                       },
+                                   .drop = [this](const absl::Status& reason) { End(reason); }});
 }
 
 void ComputingCall::Run() {

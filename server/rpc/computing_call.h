@@ -11,15 +11,22 @@
 #include <cstdint>
 
 #include "absl/status/statusor.h"
-#include "server/registration/registration_service.h"
 #include "server/rpc/call.h"
+#include "server/scheduling/memory_budget.h"
+#include "server/scheduling/worker_pool.h"
 
 namespace curvereg::server {
 
 class ComputingCall : public grpc::ServerUnaryReactor {
  public:
-  ComputingCall(const RegistrationBackend& backend, const MethodTraits& traits, grpc::CallbackServerContext& context)
-      : backend_(backend), call_(backend.calls, traits, context) {}
+  // All outlive the call.
+  struct Environment {
+    const CallEnvironment& calls;
+    MemoryBudget& memory;
+    WorkerPool& pool;
+  };
+  ComputingCall(const Environment& environment, const MethodTraits& traits, grpc::CallbackServerContext& context)
+      : environment_(environment), call_(environment.calls, traits, context) {}
 
   // Once, right after construction. The object deletes itself when gRPC is done with it, which may be before this
   // returns.
@@ -38,14 +45,12 @@ class ComputingCall : public grpc::ServerUnaryReactor {
   // After either: gives up what takes memory, before the reservation ends.
   virtual void Release() = 0;
 
-  const RegistrationBackend& backend() const { return backend_; }
-
  private:
   absl::Status Queue();
   void Run();
   void End(const absl::Status& status);
 
-  const RegistrationBackend& backend_;
+  const Environment environment_;
   Call call_;
   MemoryBudget::Reservation reservation_;
 };

@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "server/rpc/call.h"
 #include "server/rpc/call_task.h"
+#include "server/rpc/stream_state.h"
 #include "server/scheduling/worker_pool.h"
 
 namespace curvereg::server {
@@ -24,27 +25,29 @@ namespace curvereg::server {
 // the one place that starts anything.
 //
 // Life: the object deletes itself in OnDone, which gRPC calls after Finish and after the reactions to all writes.
-// Finish is called once, when no task is out and nothing is being written; whoever calls it touches the object no more.
-// Wake and Interrupt may come at any time before the destructor of the derived class is through with its members.
+// Whoever calls Finish touches the object no more. Wake and Interrupt may come at any time before the destructor of the
+// derived class is through with its members.
 template <typename Response>
 class ResponseStream : public grpc::ServerWriteReactor<Response> {
  public:
   ResponseStream(const CallEnvironment& calls, const MethodTraits& traits, grpc::CallbackServerContext& context)
       : call_(calls, traits, context) {
     call_.CountReceived();
+    state_.EndInput(absl::OkStatus());  // the request came with the call
+    state_.Notify();
   }
 
   void OnWriteDone(bool ok) final {
     std::unique_lock lock(mutex_);
-    writing_ = false;
-    if (!ok) End(CallerIsGone());
+    state_.WriteEnded();
+    if (!ok) state_.Interrupt(CallerIsGone());
     Advance(std::move(lock));
   }
 
   void OnCancel() final {
     {
       const std::lock_guard lock(mutex_);
-      End(CallerIsGone());
+      state_.Interrupt(CallerIsGone());
     }
     // Drops a task that waits, on this thread, which comes back by OnWorked.
     call_.Cancel();
@@ -59,7 +62,7 @@ class ResponseStream : public grpc::ServerWriteReactor<Response> {
 
   virtual ~ResponseStream() = default;
 
-  // The task, one at a time: adds what it made to `made`. Its error ends the stream, without what is in `made`.
+  // The task, one at a time: adds its responses to `made`. Its error ends the stream, without what is in `made`.
   virtual absl::StatusOr<Next> Make(std::deque<Response>& made) = 0;
   // Where the next task goes. Called between tasks; must not block.
   virtual WorkerPool& pool() = 0;
@@ -67,21 +70,21 @@ class ResponseStream : public grpc::ServerWriteReactor<Response> {
   // Last thing in the constructor of the derived class.
   void Begin() {
     std::unique_lock lock(mutex_);
-    if (!call_.admitted().ok()) End(call_.admitted());
+    if (!call_.admitted().ok()) state_.End(call_.admitted());
     Advance(std::move(lock));
   }
 
   // There may be more.
   void Wake() {
     std::unique_lock lock(mutex_);
-    due_ = true;
+    state_.Notify();
     Advance(std::move(lock));
   }
 
   // Ends the stream as soon as what is out has come back.
   void Interrupt(const absl::Status& status) {
     std::unique_lock lock(mutex_);
-    End(status);
+    state_.Interrupt(status);
     Advance(std::move(lock));
   }
 
@@ -89,69 +92,58 @@ class ResponseStream : public grpc::ServerWriteReactor<Response> {
 
  private:
   absl::Status Work() {
-    const absl::StatusOr<Next> next = Make(made_);
+    const absl::StatusOr<Next> next = Make(in_flight_);
     if (next.ok()) next_ = *next;
     return next.status();
   }
 
   void OnWorked(const absl::Status& status) {
     std::unique_lock lock(mutex_);
-    working_ = false;
+    state_.TaskEnded(status);
     if (status.ok()) {
-      made_.swap(ready_);
-      due_ = due_ || next_ == Next::kMore;
-      all_made_ = next_ == Next::kEnd;
-    } else {
-      End(status);
+      in_flight_.swap(pending_);
+      if (next_ == Next::kMore) state_.Notify();
+      is_complete_ = next_ == Next::kEnd;
     }
     Advance(std::move(lock));
   }
 
-  // These with the mutex held. Advance gives the lock back.
-  void End(const absl::Status& status) {  // the first reason counts
-    if (!end_.has_value()) end_ = status;
-  }
-
-  void Write() {
-    writing_ = true;
-    written_ = std::move(ready_.front());
-    ready_.pop_front();
-    call_.CountSent();
-    this->StartWrite(&written_);
-  }
-
+  // With the mutex held, which is given back.
   void Advance(std::unique_lock<std::mutex> lock) {
-    if (!end_.has_value() && !writing_ && !ready_.empty()) Write();
-    if (all_made_ && !writing_) End(absl::OkStatus());
-    if (end_.has_value()) {
-      // What is still out comes back here.
-      if (working_ || writing_ || finished_) return;
-      finished_ = true;
-      const grpc::Status status = call_.Finish(*end_);
+    if (state_.is_finished()) return;
+    // Only after the last write, which may fail.
+    const bool is_done = is_complete_ && !state_.is_writing();
+    state_.EndIfIdle(Queued(), [is_done] { return is_done ? std::optional(absl::OkStatus()) : std::nullopt; });
+    const StreamState::Output output = state_.NextOutput(Queued());
+    if (output == StreamState::Output::kFinish) {
+      const grpc::Status status = call_.Finish(state_.end());
       lock.unlock();
       this->Finish(status);
       return;
     }
-    if (working_ || !due_ || !ready_.empty() || all_made_) return;
-    working_ = true;
-    due_ = false;
+    if (output == StreamState::Output::kNotification) {
+      written_ = std::move(pending_.front());
+      pending_.pop_front();
+      call_.CountSent();
+      this->StartWrite(&written_);
+    }
+    if (!state_.NextTask(Queued()).is_due()) return;
     WorkerPool& next_pool = pool();
     lock.unlock();
-    // Without the lock, for the task may be refused or dropped at once. Until OnWorked nobody finishes the call.
+    // Without the lock, for the task may be refused or dropped at once. The call is not finished before OnWorked.
     RunOnPool(next_pool, call_, {[this] { return Work(); }, [this](const absl::Status& status) { OnWorked(status); }});
   }
 
+  StreamState::Pending Queued() const { return {.num_notifications = pending_.size()}; }
+
   Call call_;
   std::mutex mutex_;
-  bool due_ = true;        // there may be more to make
-  bool all_made_ = false;  // nothing more is made
-  bool working_ = false;   // a task is out; made_ and next_ are its own
-  bool writing_ = false;   // written_
-  bool finished_ = false;  // Finish was called, or is about to be
-  std::optional<absl::Status> end_;
-  std::deque<Response> ready_;  // to be written
+  StreamState state_;
+  std::deque<Response> pending_;  // to be written
   Response written_;
-  std::deque<Response> made_;  // empty between tasks
+  bool is_complete_ = false;  // nothing more is made
+  // Of the task, while one is under way; empty between tasks.
+  std::deque<Response> in_flight_;
   Next next_ = Next::kMore;
 };
 

@@ -15,8 +15,8 @@
 
 namespace curvereg::server {
 
-// Finish is called when the task is over, by whoever has its end; nobody touches the object after that but gRPC, which
-// has it deleted.
+// Finish is called once, when the task is over or was refused. After that the object belongs to gRPC, which calls
+// OnDone.
 class UnaryDiskCall final : public grpc::ServerUnaryReactor {
  public:
   // `pool` outlives the call.

@@ -9,6 +9,7 @@
 #include "curvereg/v1/scan_service.grpc.pb.h"
 #include "server/scans/scan_conversion.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
@@ -44,7 +45,7 @@ absl::StatusOr<DownloadStream::Next> DownloadStream::Make(std::deque<v1::Downloa
 }
 
 absl::Status DownloadStream::OpenScan(v1::DownloadScanResponse& response) {
-  const absl::StatusOr<std::string> id = ScanIdOf(request_.name(), "name");
+  const absl::StatusOr<std::string> id = wire::ScanIdOf(request_.name(), "name");
   if (!id.ok()) return id.status();
   absl::StatusOr<StoredScan> scan = environment_.store->GetScan(*id);
   if (!scan.ok()) return scan.status();

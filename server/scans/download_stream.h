@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// One DownloadScan call: while one chunk is being written, the disk pool reads the next, and no more than that. The end
-// comes only when the whole payload, also what lies before the offset asked for, has its digest.
+// One DownloadScan call: while one chunk is being written, the disk pool reads the next, and no more than that. The
+// stream ends with OK only when the whole payload, also the part before the requested offset, has its digest.
 #ifndef CURVEREG_SERVER_SCANS_DOWNLOAD_STREAM_H_
 #define CURVEREG_SERVER_SCANS_DOWNLOAD_STREAM_H_
 
@@ -38,7 +38,7 @@ class DownloadStream final : public ResponseStream<v1::DownloadScanResponse> {
  private:
   ~DownloadStream() override = default;
 
-  // One message: the scan, then chunks. None while it reads what lies before the first chunk.
+  // Adds one message: the scan, then chunks. None while it reads the part before the requested offset.
   absl::StatusOr<Next> Make(std::deque<v1::DownloadScanResponse>& made) override;
   WorkerPool& pool() override { return *environment_.disk_pool; }
 

@@ -6,19 +6,21 @@
 
 #include "server/scans/scan_conversion.h"
 #include "server/store/page_token.h"
+#include "wire/resource_names.h"
 #include "wire/timestamp.h"
 
 namespace curvereg::server {
 namespace {
 
 constexpr const char* kService = v1::ScanService::service_full_name();
+constexpr MethodTraits kUploadScan = {kService, "UploadScan", Scope::kWrite};
 constexpr MethodTraits kGetUpload = {kService, "GetUpload", Scope::kRead};
 constexpr MethodTraits kGetScan = {kService, "GetScan", Scope::kRead};
 constexpr MethodTraits kListScans = {kService, "ListScans", Scope::kRead};
 constexpr MethodTraits kDeleteScan = {kService, "DeleteScan", Scope::kWrite};
 
 absl::Status GetUploadWork(ScanStore& store, const v1::GetUploadRequest& request, v1::GetUploadResponse& response) {
-  const absl::StatusOr<std::string> id = UploadIdOf(request.upload(), "upload");
+  const absl::StatusOr<std::string> id = wire::UploadIdOf(request.upload(), "upload");
   if (!id.ok()) return id.status();
   const absl::StatusOr<UploadState> upload = store.GetUpload(*id);
   if (!upload.ok()) return upload.status();
@@ -30,7 +32,7 @@ absl::Status GetUploadWork(ScanStore& store, const v1::GetUploadRequest& request
 }
 
 absl::Status GetScanWork(ScanStore& store, const v1::GetScanRequest& request, v1::GetScanResponse& response) {
-  const absl::StatusOr<std::string> id = ScanIdOf(request.name(), "name");
+  const absl::StatusOr<std::string> id = wire::ScanIdOf(request.name(), "name");
   if (!id.ok()) return id.status();
   const absl::StatusOr<StoredScan> scan = store.GetScan(*id);
   if (!scan.ok()) return scan.status();
@@ -49,12 +51,8 @@ absl::Status ListScansWork(ScanStore& store, const v1::ListScansRequest& request
 }
 
 absl::Status DeleteScanWork(const ScanBackend& backend, const v1::DeleteScanRequest& request) {
-  const absl::StatusOr<std::string> id = ScanIdOf(request.name(), "name");
-  if (!id.ok()) return id.status();
-  const absl::Status deleted =
-      backend.traverses != nullptr ? backend.traverses->DeleteScan(*id) : backend.store->DeleteScan(*id);
-  if (deleted.ok() && backend.cache != nullptr) backend.cache->Erase(request.name());
-  return deleted;
+  const absl::StatusOr<std::string> id = wire::ScanIdOf(request.name(), "name");
+  return id.ok() ? backend.delete_scan(*id) : id.status();
 }
 
 }  // namespace
@@ -74,7 +72,7 @@ ScanService::ScanService(const ScanBackend& backend)
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* ScanService::UploadScan(
     grpc::CallbackServerContext* context) {
-  return new UploadStream(uploads_, *context);
+  return new ChunkStream<UploadSession>(uploads_, kUploadScan, *context);
 }
 
 grpc::ServerWriteReactor<v1::DownloadScanResponse>* ScanService::DownloadScan(grpc::CallbackServerContext* context,

@@ -5,19 +5,20 @@
 #ifndef CURVEREG_SERVER_SCANS_SCAN_SERVICE_H_
 #define CURVEREG_SERVER_SCANS_SCAN_SERVICE_H_
 
+#include <functional>
+#include <string>
+
 #include "curvereg/v1/scan_service.grpc.pb.h"
-#include "server/preparation/prepared_scan_cache.h"
 #include "server/rpc/call.h"
 #include "server/rpc/checked_service.h"
+#include "server/rpc/chunk_stream.h"
 #include "server/rpc/unary_disk_call.h"
 #include "server/scans/download_stream.h"
 #include "server/scans/upload_session.h"
-#include "server/scans/upload_stream.h"
 #include "server/scheduling/memory_budget.h"
 #include "server/scheduling/worker_pool.h"
 #include "server/settings/server_config.h"
 #include "server/store/scan_store.h"
-#include "server/traverses/traverses.h"
 
 namespace curvereg::server {
 
@@ -27,9 +28,9 @@ struct ScanBackend {
   LimitsConfig limits;              // resolved
   WorkerPool* disk_pool = nullptr;  // its queue is bounded by the open streams: each has at most one task in it
   MemoryBudget* memory = nullptr;
-  PreparedScanCache* cache = nullptr;  // DeleteScan forgets there, too
   ScanStore* store = nullptr;
-  Traverses* traverses = nullptr;  // null: there are none; else their scans are not deleted
+  // On the disk pool: deletes a scan from the store and all that is kept of it elsewhere. SCAN_NOT_FOUND, SCAN_IN_USE.
+  std::function<absl::Status(const std::string& scan_id)> delete_scan;
 };
 
 // As protobuf's CallbackService, but for the raw messages of UploadScan.
@@ -60,7 +61,7 @@ class ScanService final : public CheckedService<ScanServiceBase> {
 
   const ScanBackend backend_;
   UploadOwners upload_owners_;
-  const UploadStream::Environment uploads_;
+  const ChunkStream<UploadSession>::Environment uploads_;
   const DownloadStream::Environment downloads_;
 };
 

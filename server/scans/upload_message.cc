@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <climits>
 #include <cstdint>
-#include <utility>
 
 #include "wire/digest.h"
 
@@ -40,7 +39,7 @@ class SliceStream final : public google::protobuf::io::ZeroCopyInputStream {
     return true;
   }
 
-  // Of bytes that the last Next gave, so they lie in the same slice.
+  // Precondition: the last Next returned these bytes, so they are in the same slice.
   void BackUp(int count) override {
     offset_ -= static_cast<std::size_t>(count);
     count_ -= count;
@@ -65,7 +64,7 @@ class SliceStream final : public google::protobuf::io::ZeroCopyInputStream {
   int64_t count_ = 0;
 };
 
-// The next `size` bytes, where they lie.
+// The next `size` bytes, as pieces of the slices.
 bool ReadPieces(CodedInputStream& in, int size, std::vector<std::string_view>& pieces) {
   while (size > 0) {
     const void* data = nullptr;
@@ -93,14 +92,14 @@ bool ReadChunkField(CodedInputStream& in, uint32_t tag, v1::PayloadChunk& chunk,
       chunk.set_crc32c(crc32c);
       return true;
     case Tag(v1::PayloadChunk::kDataFieldNumber, kLengthDelimited):
-      // Of a field that comes twice the last counts; that is left to protobuf.
+      // A field that occurs twice is left to protobuf, which keeps the last one.
       return data.empty() && in.ReadVarintSizeAsInt(&size) && ReadPieces(in, size, data);
     default:
       return false;
   }
 }
 
-// A request that is a chunk and nothing else, with no field that we do not know. False: protobuf must tell what it is.
+// Reads a request that is one chunk of known fields. False: it is another request, or none; protobuf is to parse it.
 bool ReadPlainChunk(const std::vector<grpc::Slice>& slices, v1::PayloadChunk& chunk,
                     std::vector<std::string_view>& data) {
   SliceStream stream(slices);
@@ -120,11 +119,6 @@ bool ReadPlainChunk(const std::vector<grpc::Slice>& slices, v1::PayloadChunk& ch
 
 }  // namespace
 
-UploadMessage::UploadMessage(v1::UploadScanRequest request) : request_(std::move(request)) {
-  FindDataInRequest();
-  SumData();
-}
-
 bool UploadMessage::Parse(const grpc::ByteBuffer& buffer) {
   Clear();
   if (!buffer.Dump(&slices_).ok()) return false;
@@ -134,7 +128,7 @@ bool UploadMessage::Parse(const grpc::ByteBuffer& buffer) {
     if (!request_.ParseFromZeroCopyStream(&stream)) return false;
     FindDataInRequest();
   }
-  SumData();
+  ComputeCrc();
   return true;
 }
 
@@ -142,7 +136,7 @@ void UploadMessage::FindDataInRequest() {
   if (!request_.chunk().data().empty()) chunk_data_.emplace_back(request_.chunk().data());
 }
 
-void UploadMessage::SumData() {
+void UploadMessage::ComputeCrc() {
   for (const std::string_view piece : chunk_data_) chunk_crc32c_ = wire::ExtendCrc32c(chunk_crc32c_, piece);
 }
 

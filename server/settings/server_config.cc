@@ -79,10 +79,10 @@ absl::Status CheckTls(const TlsConfig& tls) {
 }
 
 absl::Status CheckAddresses(const ServerConfig& config) {
-  const absl::StatusOr<ListenAddress> listen = ParseListenAddress(config.listen);
+  const absl::StatusOr<wire::ListenAddress> listen = wire::ParseListenAddress(config.listen);
   if (!listen.ok()) return Invalid("listen", std::string(listen.status().message()));
   if (!config.ops_listen.empty()) {
-    const absl::StatusOr<ListenAddress> ops = ParseListenAddress(config.ops_listen);
+    const absl::StatusOr<wire::ListenAddress> ops = wire::ParseListenAddress(config.ops_listen);
     if (!ops.ok()) return Invalid("ops_listen", std::string(ops.status().message()));
   }
   if (!listen->is_loopback && config.tls.certificate_file.empty() && !config.allow_plaintext) {

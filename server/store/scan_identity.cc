@@ -13,8 +13,6 @@
 namespace curvereg::server {
 namespace {
 
-constexpr std::size_t kMaxUploadIdBytes = 64;
-
 // Tells this form from any later one.
 constexpr std::string_view kForm = "curvereg scan 1\n";
 
@@ -93,12 +91,6 @@ std::string ScanId(const v1::PointCloudHeader& header, const v1::Digest& payload
   std::string bytes = CanonicalHeader(header);
   bytes.append(payload_digest.value());
   return wire::HexText(wire::DigestOf(v1::DIGEST_ALGORITHM_XXH3_128, bytes).value());
-}
-
-bool IsUploadId(const std::string& text) {
-  return !text.empty() && text.size() <= kMaxUploadIdBytes && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
-  });
 }
 
 }  // namespace curvereg::server

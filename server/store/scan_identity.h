@@ -20,9 +20,6 @@ std::string CanonicalHeader(const v1::PointCloudHeader& header);
 // clients' hands, so it never changes.
 std::string ScanId(const v1::PointCloudHeader& header, const v1::Digest& payload_digest);
 
-// 1 to 64 of a-z, 0-9 and '-'.
-bool IsUploadId(const std::string& text);
-
 }  // namespace curvereg::server
 
 #endif  // CURVEREG_SERVER_STORE_SCAN_IDENTITY_H_

@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/store/scan_identity.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
@@ -61,7 +62,7 @@ absl::Status UploadTable::Load(const std::set<FileIdentity>& stored, const SetAs
   const absl::StatusOr<std::vector<std::string>> names = ListFolder(folder_);
   if (!names.ok()) return names.status();
   for (const std::string& name : *names) {
-    if (!IsUploadId(name) || Find(name) != nullptr) continue;
+    if (!wire::IsClientChosenId(name) || Find(name) != nullptr) continue;
     const std::optional<FileInfo> file = LookAt(PathOf(name));
     if (!file.has_value()) continue;
     // Whoever is stopped while an upload begins leaves an empty file; while it is committed, one that is a payload by
@@ -113,7 +114,7 @@ std::shared_ptr<Upload> UploadTable::Find(const std::string& upload_id) const {
 }
 
 absl::StatusOr<UploadTable::Grant> UploadTable::Begin(const UploadDescription& description) {
-  if (!IsUploadId(description.id)) return wire::FieldError("upload", "not 1 to 64 of a-z, 0-9 and '-'");
+  if (!wire::IsClientChosenId(description.id)) return wire::FieldError("upload", "not 1 to 64 of a-z, 0-9 and '-'");
   if (description.payload_bytes == 0) return wire::FieldError("payload_bytes", "0");
   while (true) {
     const std::shared_ptr<Upload> upload = Find(description.id);

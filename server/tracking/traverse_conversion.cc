@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/register_scans.h"
-#include "server/scans/scan_conversion.h"
 #include "server/store/scan_identity.h"
 #include "wire/conversion.h"
 #include "wire/error.h"
@@ -17,23 +16,12 @@
 namespace curvereg::server {
 namespace {
 
-constexpr std::string_view kTraverses = "traverses/";
 constexpr uint32_t kMaxReorderWindow = 64;
 
 }  // namespace
 
-std::string TraverseName(std::string_view traverse_id) { return std::string(kTraverses).append(traverse_id); }
-
 absl::Status TraverseNotFound(const std::string& name) {
   return wire::MakeError(v1::ERROR_REASON_TRAVERSE_NOT_FOUND, absl::StrCat("no traverse of the name ", name));
-}
-
-absl::StatusOr<std::string> TraverseIdOf(std::string_view name, std::string_view field) {
-  if (name.starts_with(kTraverses)) {
-    std::string id(name.substr(kTraverses.size()));
-    if (IsUploadId(id)) return id;
-  }
-  return wire::FieldError(field, "must be traverses/ and 1 to 64 of a-z, 0-9 and '-'");
 }
 
 absl::StatusOr<TrackingOptions> FromWire(const v1::TraverseSettings& settings, int max_threads) {

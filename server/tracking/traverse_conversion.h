@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "core/mapping/tracking.h"
@@ -19,10 +18,7 @@
 
 namespace curvereg::server {
 
-std::string TraverseName(std::string_view traverse_id);  // "traverses/ID"
 absl::Status TraverseNotFound(const std::string& name);  // TRAVERSE_NOT_FOUND
-// INVALID_FIELD naming `field`: not "traverses/" and 1 to 64 of a-z, 0-9 and '-'.
-absl::StatusOr<std::string> TraverseIdOf(std::string_view name, std::string_view field);
 
 // How a traverse of these settings is tracked. INVALID_FIELD, METHOD_UNAVAILABLE; fields within the settings.
 absl::StatusOr<TrackingOptions> FromWire(const v1::TraverseSettings& settings, int max_threads);

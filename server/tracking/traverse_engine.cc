@@ -12,6 +12,7 @@
 #include "server/tracking/traverse_conversion.h"
 #include "wire/digest.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 #include "wire/timestamp.h"
 
 namespace curvereg::server {
@@ -57,7 +58,7 @@ absl::StatusOr<StreamTicket> TraverseEngine::BeginStream(const std::stop_source&
     if (absl::Status status = environment_.work.store->Fence(record); !status.ok()) return status;
     record_ = record;
     former = std::exchange(owner_, owner);
-    ticket = {*TraverseIdOf(name_, "name"), record_.fencing_number, record_.traverse.next_sequence_number(),
+    ticket = {*wire::TraverseIdOf(name_, "name"), record_.fencing_number, record_.traverse.next_sequence_number(),
               record_.traverse.settings().reorder_window()};
   }
   former.request_stop();  // runs the other stream's reaction, so without a lock of ours

@@ -9,6 +9,7 @@
 
 #include "server/tracking/traverse_conversion.h"
 #include "wire/duration.h"
+#include "wire/resource_names.h"
 #include "wire/timestamp.h"
 #include "wire/trajectory_conversion.h"
 
@@ -116,7 +117,7 @@ absl::StatusOr<TraverseStep> TraverseWork::Track(const AcknowledgedScan& scan, b
     if (!IsLasting(tracked.status()) && !(must_end && IsFault(tracked.status()))) return tracked.status();
     environment_.logger->Warning("unusable_scan", {{"traverse", name_},
                                                    {"sequence_number", static_cast<int64_t>(traverse_.poses.size())},
-                                                   {"scan", "scans/" + scan.scan_id},
+                                                   {"scan", wire::ScanName(scan.scan_id)},
                                                    {"message", std::string(tracked.status().message())}});
     tracked = Untracked(next);
   }

@@ -2,28 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/traverses/scan_stream_session.h"
 
-#include <algorithm>
-#include <utility>
+#include <grpcpp/impl/codegen/proto_utils.h>
 
-#include "absl/strings/str_cat.h"
-#include "server/scans/scan_conversion.h"
+#include <string_view>
+
 #include "server/store/scan_identity.h"
 #include "server/tracking/traverse_conversion.h"
 #include "server/traverses/streamed_upload.h"
 #include "wire/cloud_header.h"
 #include "wire/digest.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 
 namespace curvereg::server {
 namespace {
 
+constexpr int kMaxResults = 8;  // read at once
+
 absl::Status OrderError(std::string_view message) {
   return wire::MakeError(v1::ERROR_REASON_UNEXPECTED_MESSAGE, message);
-}
-
-absl::Status OffsetError(std::string_view message, uint64_t committed_offset) {
-  return wire::MakeError(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE, message,
-                         {{"committed_offset", absl::StrCat(committed_offset)}});
 }
 
 absl::Status ValidateScanHeader(const v1::StreamedScanHeader& header, const LimitsConfig& limits) {
@@ -40,7 +37,11 @@ absl::Status ValidateScanHeader(const v1::StreamedScanHeader& header, const Limi
 
 }  // namespace
 
-ScanStreamSession::Answer ScanStreamSession::Handle(v1::StreamScansRequest& request) {
+bool ScanStreamSession::Parse(grpc::ByteBuffer& bytes, Request& request) {
+  return grpc::SerializationTraits<Request>::Deserialize(&bytes, &request).ok();
+}
+
+ScanStreamSession::Answer ScanStreamSession::Handle(Request& request) {
   if (request.has_start() == has_started()) {
     return OrderError(has_started() ? "start came a second time" : "the first message must be start");
   }
@@ -50,16 +51,17 @@ ScanStreamSession::Answer ScanStreamSession::Handle(v1::StreamScansRequest& requ
     case v1::StreamScansRequest::kHeader:
       return Announce(*request.mutable_header());
     case v1::StreamScansRequest::kChunk:
-      return Append(*request.mutable_chunk());
+      return Append(request.chunk());
     default:
       return OrderError("a message was empty, or of a kind that this server does not know");
   }
 }
 
 ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& start) {
-  if (const absl::Status named = TraverseIdOf(start.traverse(), "start.traverse").status(); !named.ok()) return named;
+  const absl::Status named = wire::TraverseIdOf(start.traverse(), "start.traverse").status();
+  if (!named.ok()) return named;
   Traverses& traverses = *environment_.traverses;
-  absl::StatusOr<StreamTicket> ticket = traverses.BeginStream(start.traverse(), replaced_);
+  absl::StatusOr<StreamTicket> ticket = traverses.BeginStream(start.traverse(), stream_.replaced);
   if (!ticket.ok()) return ticket.status();
   if (start.has_last_result_sequence_number()) {
     const uint64_t last = start.last_result_sequence_number();
@@ -69,7 +71,8 @@ ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& s
     next_result_ = last + 1;
   }
   // Before the first look at results, so that none is missed.
-  absl::StatusOr<std::unique_ptr<Traverses::Subscription>> subscription = traverses.Subscribe(start.traverse(), wake_);
+  absl::StatusOr<std::unique_ptr<Traverses::Subscription>> subscription =
+      traverses.Subscribe(start.traverse(), stream_.wake);
   if (!subscription.ok()) return subscription.status();
   subscription_ = *std::move(subscription);
   name_ = start.traverse();
@@ -78,6 +81,7 @@ ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& s
   const absl::StatusOr<UploadState> partial =
       environment_.uploads.store->GetUpload(StreamedUploadId(ticket_->traverse_id, next_sequence_number_));
   if (!partial.ok() && wire::ReasonOf(partial.status()) != v1::ERROR_REASON_UPLOAD_NOT_FOUND) return partial.status();
+  stream_.wake();  // results may be there already
   v1::StreamScansResponse response;
   v1::StreamScansReady& ready = *response.mutable_ready();
   ready.set_next_sequence_number(next_sequence_number_);
@@ -88,125 +92,87 @@ ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& s
 }
 
 ScanStreamSession::Answer ScanStreamSession::Announce(v1::StreamedScanHeader& header) {
-  if (!is_between_scans()) return OrderError("a header came before the last byte of the scan before");
+  if (!IsBetweenScans()) return OrderError("a header came before the last byte of the scan before");
   if (absl::Status valid = ValidateScanHeader(header, environment_.uploads.limits); !valid.ok()) {
     return wire::WithinField("header", std::move(valid));
   }
   bool known = false;
-  if (const absl::Status status = environment_.traverses->CheckScan(*ticket_, header, &known); !status.ok()) {
-    return status;
-  }
-  scan_ = StreamedScan{.header = std::move(header)};  // clang 14 takes no emplace()
-  // The store knows payloads by XXH3_128 alone; with another digest the transfer tells which scan it is.
+  if (absl::Status status = environment_.traverses->CheckScan(*ticket_, header, &known); !status.ok()) return status;
+  scan_ = AnnouncedScan{.header = std::move(header)};  // clang 14 takes no emplace()
+  intake_.emplace(environment_.uploads, stream_.replaced);
+  // The store knows payloads by XXH3_128 alone; with another digest the transfer is needed to identify the scan.
   const v1::Digest& digest = scan_->header.payload_digest();
   if (known && digest.algorithm() == v1::DIGEST_ALGORITHM_XXH3_128) {
-    return AddToTraverse(ScanName(ScanId(scan_->header.header(), digest)));
+    intake_->BeginStored(Describe());
+    return AddToTraverse(ScanId(scan_->header.header(), digest));
   }
   return BeginUpload();
 }
 
 ScanStreamSession::Answer ScanStreamSession::BeginUpload() {
-  absl::StatusOr<v1::UploadScanResponse> begun = StartUpload();
-  if (wire::ReasonOf(begun.status()) == v1::ERROR_REASON_UPLOAD_DIFFERS) {
+  absl::StatusOr<std::optional<StoredScan>> stored = intake_->Begin(Describe());
+  if (wire::ReasonOf(stored.status()) == v1::ERROR_REASON_UPLOAD_DIFFERS) {
     // Never acknowledged as a scan, so the client may have thought better of it.
     const absl::Status forgotten =
         ForgetStreamedUpload(ticket_->traverse_id, scan_->header.sequence_number(), *environment_.uploads.store);
     if (!forgotten.ok()) return forgotten;
-    begun = StartUpload();
+    stored = intake_->Begin(Describe());
   }
-  if (!begun.ok()) return begun.status();
-  if (begun->has_done()) return AddToTraverse(begun->done().scan().name());
-  scan_->committed_offset = begun->ready().committed_offset();
-  return scan_->committed_offset == scan_->header.payload_bytes() ? Finish() : Ack();
+  if (!stored.ok()) return stored.status();
+  return stored->has_value() ? AddToTraverse((*stored)->id) : Progress();
 }
 
-absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::StartUpload() {
-  upload_ = std::make_unique<UploadSession>(environment_.uploads, replaced_);
-  v1::UploadScanRequest request;
-  v1::UploadScanStart& start = *request.mutable_start();
-  start.set_upload(UploadName(StreamedUploadId(ticket_->traverse_id, scan_->header.sequence_number())));
-  *start.mutable_header() = scan_->header.header();
-  start.set_payload_bytes(scan_->header.payload_bytes());
-  *start.mutable_payload_digest() = scan_->header.payload_digest();
-  return Upload(std::move(request));
+UploadDescription ScanStreamSession::Describe() const {
+  const v1::StreamedScanHeader& header = scan_->header;
+  return {.id = StreamedUploadId(ticket_->traverse_id, header.sequence_number()),
+          .header = header.header(),
+          .payload_bytes = header.payload_bytes(),
+          .payload_digest = header.payload_digest()};
 }
 
-ScanStreamSession::Answer ScanStreamSession::Append(v1::PayloadChunk& chunk) {
+ScanStreamSession::Answer ScanStreamSession::Append(const v1::PayloadChunk& chunk) {
   if (!scan_.has_value()) return OrderError("a chunk came before a header");
-  if (const absl::Status status = CheckChunk(chunk); !status.ok()) return status;
-  const uint64_t num_known = scan_->committed_offset - chunk.offset();
-  // What is new the upload checks.
-  if (num_known > 0 && chunk.crc32c() != wire::Crc32c(chunk.data())) {
-    environment_.uploads.metrics->ChecksumFailed();
-    return wire::MakeError(v1::ERROR_REASON_CHECKSUM_MISMATCH, "a chunk does not have the CRC-32C that came with it");
-  }
-  if (num_known >= chunk.data().size()) return std::nullopt;
-  v1::UploadScanRequest request;
-  *request.mutable_chunk() = std::move(chunk);
-  if (num_known > 0) {
-    v1::PayloadChunk& rest = *request.mutable_chunk();
-    rest.mutable_data()->erase(0, num_known);
-    rest.set_offset(scan_->committed_offset);
-    rest.set_crc32c(wire::Crc32c(rest.data()));
-  }
-  const absl::StatusOr<v1::UploadScanResponse> progress = Upload(std::move(request));
-  if (!progress.ok()) return progress.status();
-  scan_->committed_offset = progress->progress().committed_offset();
-  return scan_->committed_offset == scan_->header.payload_bytes() ? Finish() : Ack();
+  const std::string_view data = chunk.data();
+  ReceivedChunk received = {.offset = chunk.offset(), .crc32c = wire::Crc32c(data)};
+  if (!data.empty()) received.pieces = {&data, 1};
+  if (chunk.has_crc32c()) received.declared_crc32c = chunk.crc32c();
+  const uint64_t committed_before = intake_->committed_offset();
+  if (absl::Status status = intake_->Append(received, ScanIntake::Overlap::kSkip); !status.ok()) return status;
+  if (intake_->committed_offset() == committed_before) return std::nullopt;
+  return Progress();
 }
 
-absl::Status ScanStreamSession::CheckChunk(const v1::PayloadChunk& chunk) const {
-  const uint32_t max_bytes = environment_.uploads.limits.max_chunk_bytes;
-  if (chunk.data().empty() || chunk.data().size() > max_bytes) {
-    return wire::FieldError("chunk.data", absl::StrCat("must have 1 to ", max_bytes, " bytes"));
-  }
-  if (!chunk.has_crc32c()) return wire::FieldError("chunk.crc32c", "is required");
-  if (chunk.offset() > scan_->committed_offset) {
-    return OffsetError("a chunk begins beyond the committed offset", scan_->committed_offset);
-  }
-  if (chunk.data().size() > scan_->header.payload_bytes() - chunk.offset()) {
-    return OffsetError("a chunk goes beyond the declared size", scan_->committed_offset);
-  }
-  return absl::OkStatus();
+// The acknowledgement of what is there, or, when that is all, of the scan.
+ScanStreamSession::Answer ScanStreamSession::Progress() {
+  if (!intake_->is_complete()) return Ack();
+  const absl::StatusOr<UploadWriter::Committed> committed = intake_->Finish(scan_->header.payload_digest());
+  if (!committed.ok()) return committed.status();
+  return AddToTraverse(committed->scan.id);
 }
 
-ScanStreamSession::Answer ScanStreamSession::Finish() {
-  v1::UploadScanRequest request;
-  request.mutable_finish();
-  const absl::StatusOr<v1::UploadScanResponse> done = Upload(std::move(request));
-  if (!done.ok()) return done.status();
-  return AddToTraverse(done->done().scan().name());
-}
-
-ScanStreamSession::Answer ScanStreamSession::AddToTraverse(const std::string& scan_name) {
-  absl::StatusOr<std::string> scan_id = ScanIdOf(scan_name, "name");
-  if (!scan_id.ok()) return scan_id.status();
-  const absl::StatusOr<uint64_t> next = environment_.traverses->AddScan(*ticket_, scan_->header, *scan_id);
+ScanStreamSession::Answer ScanStreamSession::AddToTraverse(const std::string& scan_id) {
+  const absl::StatusOr<uint64_t> next = environment_.traverses->AddScan(*ticket_, scan_->header, scan_id);
   if (!next.ok()) return next.status();
   next_sequence_number_ = *next;
-  return Complete(*scan_id);
-}
-
-v1::StreamScansResponse ScanStreamSession::Complete(const std::string& scan_id) {
-  upload_.reset();
   scan_->is_complete = true;
-  scan_->committed_offset = scan_->header.payload_bytes();
-  v1::StreamScansResponse response = Ack();
+  Response response = Ack();
   response.mutable_ack()->set_complete(true);
-  response.mutable_ack()->set_scan(ScanName(scan_id));
+  response.mutable_ack()->set_scan(wire::ScanName(scan_id));
   return response;
 }
 
 v1::StreamScansResponse ScanStreamSession::Ack() const {
   v1::StreamScansResponse response;
   response.mutable_ack()->set_sequence_number(scan_->header.sequence_number());
-  response.mutable_ack()->set_committed_offset(scan_->committed_offset);
+  response.mutable_ack()->set_committed_offset(intake_->committed_offset());
   return response;
 }
 
-absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::Upload(v1::UploadScanRequest request) {
-  UploadMessage message(std::move(request));
-  return upload_->Handle(message);
+absl::Status ScanStreamSession::TakeNotifications(std::vector<Response>& notifications) {
+  absl::StatusOr<std::vector<v1::ScanResult>> results = TakeResults(kMaxResults);
+  if (!results.ok()) return results.status();
+  for (v1::ScanResult& result : *results) *notifications.emplace_back().mutable_result() = std::move(result);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<v1::ScanResult>> ScanStreamSession::TakeResults(int max_results) {
@@ -214,6 +180,18 @@ absl::StatusOr<std::vector<v1::ScanResult>> ScanStreamSession::TakeResults(int m
       environment_.traverses->Results(name_, next_result_, max_results);
   if (results.ok() && !results->empty()) next_result_ = results->back().sequence_number() + 1;
   return results;
+}
+
+bool ScanStreamSession::Supersedes(const Response& newer, const Response& older) {
+  // Of one scan the latest offset is enough.
+  return newer.has_ack() && older.has_ack() && !older.ack().complete() &&
+         newer.ack().sequence_number() == older.ack().sequence_number();
+}
+
+std::optional<absl::Status> ScanStreamSession::EndOfInput() const {
+  if (!has_started() || !IsBetweenScans()) return OrderError("the stream ended before the last byte of a scan");
+  if (!took_all_results()) return std::nullopt;
+  return absl::OkStatus();
 }
 
 }  // namespace curvereg::server

@@ -11,6 +11,7 @@ namespace {
 
 constexpr const char* kService = v1::TraverseService::service_full_name();
 constexpr MethodTraits kCreateTraverse = {kService, "CreateTraverse", Scope::kWrite};
+constexpr MethodTraits kStreamScans = {kService, "StreamScans", Scope::kWrite};
 constexpr MethodTraits kGetTraverse = {kService, "GetTraverse", Scope::kRead};
 constexpr MethodTraits kListTraverses = {kService, "ListTraverses", Scope::kRead};
 constexpr MethodTraits kGetTrajectory = {kService, "GetTrajectory", Scope::kRead};
@@ -96,7 +97,7 @@ grpc::ServerUnaryReactor* TraverseService::CreateTraverse(grpc::CallbackServerCo
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* TraverseService::StreamScans(
     grpc::CallbackServerContext* context) {
-  return new ScanStream(scan_streams_, *context);
+  return new ChunkStream<ScanStreamSession>(scan_streams_, kStreamScans, *context);
 }
 
 grpc::ServerUnaryReactor* TraverseService::GetTraverse(grpc::CallbackServerContext* context,

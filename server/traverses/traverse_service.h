@@ -10,10 +10,11 @@
 #include "server/maps/map_builder.h"
 #include "server/rpc/call.h"
 #include "server/rpc/checked_service.h"
+#include "server/rpc/chunk_stream.h"
 #include "server/rpc/unary_disk_call.h"
-#include "server/scans/upload_session.h"
+#include "server/scans/upload_owners.h"
 #include "server/traverses/map_stream.h"
-#include "server/traverses/scan_stream.h"
+#include "server/traverses/scan_stream_session.h"
 #include "server/traverses/traverses.h"
 #include "server/traverses/watch_stream.h"
 
@@ -66,7 +67,7 @@ class TraverseService final : public CheckedService<TraverseServiceBase> {
 
   const TraverseBackend backend_;
   UploadOwners upload_owners_;
-  const ScanStream::Environment scan_streams_;
+  const ChunkStream<ScanStreamSession>::Environment scan_streams_;
   const WatchStream::Environment watch_streams_;
   const MapStream::Environment map_streams_;
 };

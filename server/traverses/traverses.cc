@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/scans/scan_conversion.h"
+#include "server/preparation/scan_deletion.h"
 #include "server/scheduling/delayed_calls.h"
 #include "server/store/page_token.h"
 #include "server/tracking/traverse_conversion.h"
@@ -21,6 +21,7 @@
 #include "server/tracking/traverse_store.h"
 #include "server/traverses/streamed_upload.h"
 #include "wire/error.h"
+#include "wire/resource_names.h"
 #include "wire/timestamp.h"
 #include "wire/trajectory_conversion.h"
 
@@ -139,7 +140,7 @@ absl::StatusOr<EnginePointer> TraversesImpl::MakeEngine(const TraverseRecord& re
 }
 
 absl::StatusOr<EnginePointer> TraversesImpl::Find(const std::string& name) {
-  const absl::StatusOr<std::string> id = TraverseIdOf(name, "name");
+  const absl::StatusOr<std::string> id = wire::TraverseIdOf(name, "name");
   if (!id.ok()) return id.status();
   const std::lock_guard lock(mutex_);
   const auto found = engines_.find(name);
@@ -148,8 +149,8 @@ absl::StatusOr<EnginePointer> TraversesImpl::Find(const std::string& name) {
 }
 
 absl::StatusOr<v1::Traverse> TraversesImpl::Create(const v1::CreateTraverseRequest& request) {
-  const std::string name = TraverseName(request.traverse_id());
-  if (!TraverseIdOf(name, "").ok()) return wire::FieldError("traverse_id", "must be 1 to 64 of a-z, 0-9 and '-'");
+  const std::string name = wire::TraverseName(request.traverse_id());
+  if (!wire::TraverseIdOf(name, "").ok()) return wire::FieldError("traverse_id", "must be 1 to 64 of a-z, 0-9 and '-'");
   const absl::Status valid = FromWire(request.settings(), environment_.limits.max_threads_per_registration).status();
   if (!valid.ok()) return wire::WithinField("settings", valid);
   const std::lock_guard lifecycle(lifecycle_mutex_);
@@ -271,7 +272,7 @@ absl::Status TraversesImpl::RemoveTraverse(const std::string& name) {
 
 // A traverse of the same name is not to go on with them. Those that stay behind, for a fault of the disk, expire.
 void TraversesImpl::ForgetPartialUploads(const TraverseRecord& record) {
-  const absl::StatusOr<std::string> id = TraverseIdOf(record.traverse.name(), "name");
+  const absl::StatusOr<std::string> id = wire::TraverseIdOf(record.traverse.name(), "name");
   if (!id.ok()) return;
   const uint64_t next = record.traverse.next_sequence_number();
   for (uint64_t number = next; number <= next + record.traverse.settings().reorder_window(); ++number) {
@@ -291,9 +292,8 @@ void TraversesImpl::RemoveDoomedScan(const std::string& scan_id) {
   const std::lock_guard uses(uses_mutex_);
   const absl::StatusOr<bool> is_used = store_->IsScanUsed(scan_id);
   if (!is_used.ok() || *is_used) return;  // wanted again meanwhile
-  const absl::Status deleted = environment_.store->DeleteScan(scan_id);
+  const absl::Status deleted = DeleteStoredScan(scan_id, *environment_.store, *environment_.cache);
   if (!deleted.ok() && wire::ReasonOf(deleted) != v1::ERROR_REASON_SCAN_NOT_FOUND) return;
-  environment_.cache->Erase(ScanName(scan_id));
   store_->Spare(scan_id).IgnoreError();
 }
 
@@ -302,7 +302,7 @@ absl::Status TraversesImpl::DeleteScan(const std::string& scan_id) {
   const absl::StatusOr<bool> is_used = store_->IsScanUsed(scan_id);
   if (!is_used.ok()) return is_used.status();
   if (*is_used) return wire::MakeError(v1::ERROR_REASON_SCAN_IN_USE, "a traverse uses the scan; delete that first");
-  return environment_.store->DeleteScan(scan_id);
+  return DeleteStoredScan(scan_id, *environment_.store, *environment_.cache);
 }
 
 absl::StatusOr<StreamTicket> TraversesImpl::BeginStream(const std::string& name, const std::stop_source& owner) {
@@ -312,14 +312,14 @@ absl::StatusOr<StreamTicket> TraversesImpl::BeginStream(const std::string& name,
 }
 
 absl::Status TraversesImpl::CheckScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header, bool* known) {
-  const absl::StatusOr<EnginePointer> engine = Find(TraverseName(ticket.traverse_id));
+  const absl::StatusOr<EnginePointer> engine = Find(wire::TraverseName(ticket.traverse_id));
   if (!engine.ok()) return engine.status();
   return (*engine)->CheckScan(ticket, header, known);
 }
 
 absl::StatusOr<uint64_t> TraversesImpl::AddScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header,
                                                 const std::string& scan_id) {
-  const absl::StatusOr<EnginePointer> engine = Find(TraverseName(ticket.traverse_id));
+  const absl::StatusOr<EnginePointer> engine = Find(wire::TraverseName(ticket.traverse_id));
   if (!engine.ok()) return engine.status();
   const std::lock_guard uses(uses_mutex_);
   bool known = false;

@@ -108,7 +108,7 @@ class Traverses {
   };
   virtual absl::StatusOr<MapSource> SourceOfMap(const std::string& name, uint32_t segment) = 0;
 
-  // Removes a scan from the store of scans. SCAN_IN_USE; errors of ScanStore::DeleteScan.
+  // Deletes a stored scan, as DeleteStoredScan does. SCAN_IN_USE; errors of ScanStore::DeleteScan.
   virtual absl::Status DeleteScan(const std::string& scan_id) = 0;
 
   virtual uint64_t num_traverses() = 0;

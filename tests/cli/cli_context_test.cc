@@ -2,20 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/cli_context.h"
 
-#include <signal.h>
-#include <unistd.h>
-
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/interrupt_watcher.h"
 #include "cli/progress_bar.h"
 #include "tests/testing/test_data.h"
 
@@ -68,16 +62,6 @@ TEST(ProgressLine, ClampsTheShare) {
   EXPECT_THAT(ProgressLine("x", 7.0, ""), HasSubstr("100 %"));
   EXPECT_THAT(ProgressLine("x", -1.0, ""), HasSubstr("  0 %"));
   EXPECT_THAT(ProgressLine("x", std::nan(""), ""), HasSubstr("  0 %"));
-}
-
-TEST(InterruptWatcher, ASignalRequestsTheStop) {
-  const InterruptWatcher watcher;
-  EXPECT_FALSE(watcher.token().stop_requested());
-  kill(getpid(), SIGINT);
-  for (int i = 0; i < 500 && !watcher.token().stop_requested(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_TRUE(watcher.token().stop_requested());
 }
 
 }  // namespace

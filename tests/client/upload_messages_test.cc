@@ -59,22 +59,22 @@ TEST(SerializedChunkTest, KeepsThePayloadAliveAndLetsItGo) {
   EXPECT_TRUE(watched.expired());
 }
 
-TEST(SerializedChunkTest, LendsAndWaitsForTheReturn) {
+TEST(SerializedChunkTest, BorrowsAndWaitsForTheRelease) {
   std::string bytes(100'000, 'p');
-  std::atomic<bool> is_back = false;
-  LentBytes lender;
-  std::optional<grpc::ByteBuffer> message = SerializedChunk({bytes, nullptr, &lender}, 10, 90'000);
+  std::atomic<bool> is_released = false;
+  BorrowedSlices borrowed;
+  std::optional<grpc::ByteBuffer> message = SerializedChunk({bytes, nullptr, &borrowed}, 10, 90'000);
   std::jthread waiting([&] {
-    lender.AwaitReturn();
-    is_back = true;
+    borrowed.AwaitRelease();
+    is_released = true;
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  EXPECT_FALSE(is_back);
+  EXPECT_FALSE(is_released);
   bytes[10] = 'q';  // seen by the message: it is no copy
   EXPECT_NE(BytesOf(*message).find("qp"), std::string::npos);
   message.reset();
   waiting.join();
-  EXPECT_TRUE(is_back);
+  EXPECT_TRUE(is_released);
 }
 
 TEST(SerializedChunkTest, CopiesWhatItDoesNotOwn) {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace curvereg::server {
+namespace curvereg {
 namespace {
 
 using ::testing::ElementsAre;
@@ -92,4 +92,4 @@ TEST_F(ProgramArgumentsTest, NothingAtAllIsNoArgument) {
 }
 
 }  // namespace
-}  // namespace curvereg::server
+}  // namespace curvereg

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "server/preparation/scan_deletion.h"
 #include "tests/testing/scenes.h"
 #include "wire/digest.h"
 #include "wire/point_codec.h"
@@ -58,8 +59,10 @@ void ScanServer::StartUp() {
   backend.limits = options_.limits;
   backend.disk_pool = disk_pool_.get();
   backend.memory = memory_.get();
-  backend.cache = cache_.get();
   backend.store = store_.get();
+  backend.delete_scan = [this](const std::string& scan_id) {
+    return server::DeleteStoredScan(scan_id, *store_, *cache_);
+  };
   service_ = std::make_unique<server::ScanService>(backend);
   grpc::ServerBuilder builder;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
@@ -128,13 +131,13 @@ v1::UploadScanRequest FinishMessage(const std::optional<v1::Digest>& digest) {
   return request;
 }
 
-void SetPatience(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
+void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
   context.set_wait_for_ready(true);
   context.set_deadline(std::chrono::system_clock::now() + timeout);
 }
 
 UploadClient::UploadClient(v1::ScanService::Stub& stub, std::chrono::milliseconds timeout) {
-  SetPatience(context_, timeout);
+  SetDeadline(context_, timeout);
   stream_ = stub.UploadScan(&context_);
 }
 
@@ -205,7 +208,7 @@ std::string Downloaded::Bytes() const {
 
 Downloaded Download(v1::ScanService::Stub& stub, const v1::DownloadScanRequest& request) {
   grpc::ClientContext context;
-  SetPatience(context);
+  SetDeadline(context);
   const auto stream = stub.DownloadScan(&context, request);
   Downloaded downloaded;
   v1::DownloadScanResponse response;

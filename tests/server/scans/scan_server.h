@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "curvereg/v1/scan_service.grpc.pb.h"
+#include "server/preparation/prepared_scan_cache.h"
 #include "server/scans/scan_service.h"
 #include "wire/error.h"
 
@@ -86,15 +87,15 @@ v1::UploadScanRequest FinishMessage(const std::optional<v1::Digest>& digest = st
 
 // Far more than any call of a test takes on a slow machine whose disk is busy: what hangs then says so, by
 // DEADLINE_EXCEEDED, before the test as a whole is ended without a word.
-constexpr std::chrono::minutes kPatience{5};
+constexpr std::chrono::minutes kCallTimeout{5};
 
 // For a call that waits while a connection is slow to come, and no longer than `timeout`.
-void SetPatience(grpc::ClientContext& context, std::chrono::milliseconds timeout = kPatience);
+void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds timeout = kCallTimeout);
 
 // One upload stream, as a client has it.
 class UploadClient {
  public:
-  explicit UploadClient(v1::ScanService::Stub& stub, std::chrono::milliseconds timeout = kPatience);
+  explicit UploadClient(v1::ScanService::Stub& stub, std::chrono::milliseconds timeout = kCallTimeout);
   ~UploadClient();  // cancels
 
   bool Send(const v1::UploadScanRequest& request) { return stream_->Write(request); }

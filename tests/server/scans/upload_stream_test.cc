@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The course of uploads over real connections: as they should go, resumed, many at once, idle.
-#include "server/scans/upload_stream.h"
+#include "server/rpc/chunk_stream.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

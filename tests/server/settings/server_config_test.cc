@@ -79,19 +79,19 @@ TEST(ServerConfigTest, PlainTextOffLoopbackMustBeAskedForOrSecured) {
 
 TEST(ListenAddressTest, KnowsLoopback) {
   for (const char* text : {"127.0.0.1:1", "127.9.9.9:1", "[::1]:1", "localhost:1"}) {
-    EXPECT_TRUE(ParseListenAddress(text)->is_loopback) << text;
+    EXPECT_TRUE(wire::ParseListenAddress(text)->is_loopback) << text;
   }
   for (const char* text : {"0.0.0.0:1", "128.0.0.1:1", "[::]:1", "[::ffff:127.0.0.1]:1", "localhost.example:1"}) {
-    EXPECT_FALSE(ParseListenAddress(text)->is_loopback) << text;
+    EXPECT_FALSE(wire::ParseListenAddress(text)->is_loopback) << text;
   }
 }
 
 TEST(ListenAddressTest, SplitsHostAndPort) {
-  EXPECT_EQ(ParseListenAddress("[fe80::1]:50051")->host, "fe80::1");
-  EXPECT_EQ(ParseListenAddress("[fe80::1]:50051")->port, 50051);
-  EXPECT_EQ(ParseListenAddress("host:0")->port, 0);
+  EXPECT_EQ(wire::ParseListenAddress("[fe80::1]:50051")->host, "fe80::1");
+  EXPECT_EQ(wire::ParseListenAddress("[fe80::1]:50051")->port, 50051);
+  EXPECT_EQ(wire::ParseListenAddress("host:0")->port, 0);
   for (const char* text : {"", ":", "host", "host:", "host:-1", "host:1x", "host:65536", "::1:50051", "[]:1", ":1"}) {
-    EXPECT_FALSE(ParseListenAddress(text).ok()) << text;
+    EXPECT_FALSE(wire::ParseListenAddress(text).ok()) << text;
   }
 }
 

@@ -75,7 +75,7 @@ v1::StreamScansRequest StreamChunk(const v1::PointCloud& cloud, uint64_t offset,
 }
 
 StreamClient::StreamClient(v1::TraverseService::Stub& stub, std::chrono::milliseconds timeout) {
-  SetPatience(context_, timeout);
+  SetDeadline(context_, timeout);
   stream_ = stub.StreamScans(&context_);
 }
 

@@ -56,7 +56,7 @@ v1::StreamScansRequest StreamChunk(const v1::PointCloud& cloud, uint64_t offset,
 // One stream, as a client has it. What is received is kept.
 class StreamClient {
  public:
-  explicit StreamClient(v1::TraverseService::Stub& stub, std::chrono::milliseconds timeout = kPatience);
+  explicit StreamClient(v1::TraverseService::Stub& stub, std::chrono::milliseconds timeout = kCallTimeout);
   ~StreamClient();  // cancels
 
   bool Send(const v1::StreamScansRequest& request) { return stream_->Write(request); }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/traverses/scan_stream.h"
+#include "server/traverses/scan_stream_session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
