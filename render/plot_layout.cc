@@ -127,12 +127,12 @@ PlotLayout LayoutOf(const Plot& plot) {
   const int width = plot.pixels.cols;
   const int height = plot.pixels.rows;
   layout.x_ticks = TicksOf(plot.x, std::max(2, width / kTickSpacing));
-  layout.y_ticks = TicksOf(plot.y, std::max(2, height / kTickSpacingUp));
+  layout.y_ticks = TicksOf(plot.y, std::max(3, height / kTickSpacingUp));
   const int left = kPlotMargin + 2 * kLabelStyle.height_px + layout.y_ticks.widest_px + kTickLength;
   layout.plot = {left, kPlotTitleHeight, width, height};
   int right = left + width;
   if (plot.colour_bar.has_value()) {
-    layout.colour_ticks = TicksOf(AxisOf(*plot.colour_bar), std::max(2, height / kTickSpacingUp));
+    layout.colour_ticks = TicksOf(AxisOf(*plot.colour_bar), std::max(3, height / kTickSpacingUp));
     layout.colour_bar = {right + kColourBarGap, kPlotTitleHeight, kColourBarWidth, height};
     right += kColourBarGap + kColourBarWidth + kTickLength + layout.colour_ticks.widest_px + 2 * kLabelStyle.height_px;
   }
