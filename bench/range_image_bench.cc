@@ -7,6 +7,7 @@
 #include "bench/bench_scene.h"
 #include "bench/ratio.h"
 #include "core/features/paper_features.h"
+#include "core/views/range_conditioning.h"
 
 int main(int argc, char** argv) {
   const curvereg::Scan scan{curvereg::bench::BenchScan(curvereg::bench::BenchPose(0.0, 0.0, 0.0)), {}};
@@ -17,6 +18,8 @@ int main(int argc, char** argv) {
       {{"ComputeRangeImage, " + points, [&] { static_cast<void>(curvereg::ComputeRangeImage(scan.points)); }},
        {"ComputeBearingAngles, 720 x " + std::to_string(image.range.rows),
         [&] { static_cast<void>(curvereg::ComputeBearingAngles(image, scan.points)); }},
+       {"ConditionRange, 720 x " + std::to_string(image.range.rows),
+        [&] { static_cast<void>(curvereg::ConditionRange(image, 0.5)); }},
        {"ComputePaperFeatures, " + points,
         [&] { static_cast<void>(curvereg::ComputePaperFeatures(scan, {}, curvereg::Stop{})); }}});
 }

@@ -28,11 +28,11 @@ std::string Escaped(const std::string& text) {
 
 absl::StatusOr<std::string> Picture(const NamedScans& scans, const RigidTransform& T_target_source,
                                     Projection projection, const std::string& title) {
-  const absl::StatusOr<std::string> png =
-      EncodePng(OverlayPicture(scans.source, scans.target, T_target_source, projection));
+  Plot plot = OverlayPlot(scans.source, scans.target, T_target_source, projection);
+  plot.title = title;
+  const absl::StatusOr<std::string> png = EncodePng(FramedPlot(plot));
   if (!png.ok()) return png.status();
-  return absl::StrCat("<h2>", title, "</h2>\n<img alt=\"", title, "\" src=\"data:image/png;base64,",
-                      absl::Base64Escape(*png), "\">\n");
+  return absl::StrCat("<p><img alt=\"", title, "\" src=\"data:image/png;base64,", absl::Base64Escape(*png), "\">\n");
 }
 
 absl::StatusOr<std::string> Page(const NamedScans& scans, const RegistrationResult& result) {

@@ -25,6 +25,30 @@ find_path(FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)
 add_library(curvereg_flann INTERFACE)
 target_include_directories(curvereg_flann SYSTEM INTERFACE "${FLANN_INCLUDE_DIR}")
 target_link_libraries(curvereg_flann INTERFACE PkgConfig::LZ4)
+# OpenCV's core and imgproc. Found by hand: Debian's OpenCVConfig.cmake comes with all modules and asks for all of them.
+# Linked from their archives: the shared libopencv_core loads libGLX, whose package brings Mesa and LLVM, 170 MB of them
+# (docs/adr/2026-11-30-opencv.md). --gc-sections leaves out what no program calls; sanitizers and fuzzers keep sections
+# of their own that it would drop.
+find_path(OPENCV_INCLUDE_DIR opencv2/imgproc.hpp PATH_SUFFIXES opencv4 REQUIRED)
+find_library(OPENCV_CORE_ARCHIVE NAMES libopencv_core.a REQUIRED)
+find_library(OPENCV_IMGPROC_ARCHIVE NAMES libopencv_imgproc.a REQUIRED)
+find_package(ZLIB REQUIRED)
+find_library(LAPACK_LIBRARY NAMES liblapack.so REQUIRED)
+find_library(BLAS_LIBRARY NAMES libblas.so REQUIRED)
+add_library(curvereg_opencv_without_opengl STATIC "${CMAKE_CURRENT_LIST_DIR}/opencv_without_opengl.cc")
+set_target_properties(curvereg_opencv_without_opengl PROPERTIES POSITION_INDEPENDENT_CODE ON)
+add_library(curvereg_opencv INTERFACE)
+target_include_directories(curvereg_opencv SYSTEM INTERFACE "${OPENCV_INCLUDE_DIR}")
+foreach(library "${OPENCV_IMGPROC_ARCHIVE}" "${OPENCV_CORE_ARCHIVE}" curvereg_opencv_without_opengl TBB::tbb ZLIB::ZLIB
+                "${LAPACK_LIBRARY}" "${BLAS_LIBRARY}" ${CMAKE_DL_LIBS})
+  target_link_libraries(curvereg_opencv INTERFACE $<BUILD_INTERFACE:${library}>)
+endforeach()
+# Users of the installed libraries link the shared ones, which their own code may use, too.
+target_link_libraries(curvereg_opencv INTERFACE $<INSTALL_INTERFACE:opencv_imgproc> $<INSTALL_INTERFACE:opencv_core>)
+if(NOT CURVEREG_SANITIZER AND NOT CURVEREG_BUILD_FUZZERS)
+  target_link_options(curvereg_opencv INTERFACE $<BUILD_INTERFACE:LINKER:--gc-sections>
+                      $<BUILD_INTERFACE:LINKER:--as-needed>)
+endif()
 
 if(CURVEREG_BUILD_BASELINES)
   # Only these components: the others bring VTK with them.

@@ -5,7 +5,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(CURVEREG_INSTALLED core methods baselines flann render files)
+set(CURVEREG_INSTALLED core methods baselines flann opencv render files)
 if(CURVEREG_BUILD_SERVER)
   list(APPEND CURVEREG_INSTALLED proto wire client)
 endif()

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 namespace curvereg {
 namespace {
@@ -94,6 +95,20 @@ Image<uint8_t> CoefficientPicture(const ComplexCurvelets& curvelets, int size_px
     }
   }
   return picture;
+}
+
+Plot CoefficientPlot(const ComplexCurvelets& curvelets, int size_px, double step_rad) {
+  const Image<uint8_t> picture = CoefficientPicture(curvelets, size_px);
+  const double highest = 0.5 / (step_rad * 180.0 / std::numbers::pi);  // of half a cycle per pixel
+  Plot plot;
+  plot.pixels = Image<Rgb>(picture.rows, picture.cols);
+  for (std::size_t i = 0; i < picture.size(); ++i) plot.pixels.pixels[i].fill(picture.pixels[i]);
+  plot.title = "Curvelet coefficients of the range panorama";
+  plot.x = {.name = "frequency along azimuth", .unit = "cycles/deg", .first = -highest, .last = highest};
+  plot.y = {.name = "frequency along elevation", .unit = "cycles/deg", .first = -highest, .last = highest};
+  plot.colour_bar = {
+      .label = "log10 of magnitude / largest magnitude", .low = -kDecades, .high = 0.0, .colour = GreyColour};
+  return plot;
 }
 
 }  // namespace curvereg

@@ -9,6 +9,7 @@
 
 #include "core/base/image.h"
 #include "core/curvelet/curvelet_coefficients.h"
+#include "render/plot.h"
 
 namespace curvereg {
 
@@ -18,6 +19,9 @@ namespace curvereg {
 // Preconditions: size_px > 0; every scale has one array or, clockwise from the top left corner, a multiple of 4. A
 // scale of one array but the coarsest (wavelets) is shown as a whole behind the scales below it.
 Image<uint8_t> CoefficientPicture(const ComplexCurvelets& curvelets, int size_px);
+
+// The same with axes and colour bar, for an image whose pixels are `step_rad` wide and high.
+Plot CoefficientPlot(const ComplexCurvelets& curvelets, int size_px, double step_rad);
 
 }  // namespace curvereg
 

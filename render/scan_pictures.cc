@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "core/curvelet/curvelet_transform.h"
@@ -11,31 +12,69 @@
 #include "core/features/paper_features.h"
 #include "core/methods/prepared_scan.h"
 #include "core/views/image_conditioning.h"
+#include "core/views/range_conditioning.h"
 #include "render/coefficient_picture.h"
+#include "render/plot.h"
 #include "render/stage_pictures.h"
 
 namespace curvereg {
 namespace {
 
 constexpr int kBirdsEyeZoom = 3;
+constexpr int kRangeZoom = 2;
 constexpr int kCoefficientPicturePx = 900;
 
-Image<Rgb> GreyAsRgb(const Image<uint8_t>& grey) {
-  Image<Rgb> picture(grey.rows, grey.cols);
-  for (std::size_t i = 0; i < grey.size(); ++i) picture.pixels[i] = {grey.pixels[i], grey.pixels[i], grey.pixels[i]};
-  return picture;
+// How the images of one view are plotted.
+struct ViewPlots {
+  std::string name;                  // of the files
+  std::string title;                 // within a sentence
+  std::string quantity;              // what the view's values are, with their unit
+  std::string conditioned_quantity;  // the same after conditioning
+  std::string difference;            // of conditioned values
+  Axis x;
+  Axis y;
+  int zoom = 1;
+  bool has_rows_upward = false;  // row 0 is below
+};
+
+ViewPlots RangePlots(const RangeImage& image) {
+  const auto degrees = [](double radians) { return radians * 180.0 / std::numbers::pi; };
+  return {.name = "range",
+          .title = "range panorama",
+          .quantity = "range [m]",
+          .conditioned_quantity = "range, from 0 (nearest) to 1 (farthest)",
+          .difference = "difference [share of the range's span]",
+          .x = {.name = "azimuth", .unit = "deg", .first = 180.0, .last = -180.0},
+          .y = {.name = "elevation",
+                .unit = "deg",
+                .first = degrees(image.ElevationOf(image.range.rows - 0.5)),
+                .last = degrees(image.ElevationOf(-0.5))},
+          .zoom = kRangeZoom};
 }
 
-// The range image as the method `paper` conditions it: filled, blurred, on [0, 1].
-Image<float> ConditionedRange(const RangeImage& image, const PaperFeatureOptions& options) {
-  Image<float> values = image.range;
-  FillHoles(image.valid, values);
-  GaussianBlur3x3(options.blur_sigma_px, values);
-  const auto [low, high] = std::minmax_element(values.pixels.begin(), values.pixels.end());
-  const float offset = *low;
-  const float span = std::max(*high - *low, 1e-12F);
-  for (float& value : values.pixels) value = (value - offset) / span;
-  return values;
+ViewPlots BirdsEyePlots(const ViewOptions& options) {
+  const double half_m = 0.5 * options.image.size * options.image.cell_m;
+  const bool is_elevation = options.view == BirdsEyeView::kElevation;
+  return {
+      .name = is_elevation ? "elevation" : "occupancy",
+      .title = is_elevation ? "elevation from above" : "occupancy from above",
+      .quantity = is_elevation ? "height above the sensor [m]" : "occupied height slices of 0.5 m",
+      .conditioned_quantity = is_elevation ? "height above the fitted plane [m]" : "occupied height slices of 0.5 m",
+      .difference = is_elevation ? "difference of heights [m]" : "difference [slices of 0.5 m]",
+      .x = {.name = "x, levelled", .unit = "m", .first = -half_m, .last = half_m},
+      .y = {.name = "y, levelled", .unit = "m", .first = -half_m, .last = half_m},
+      .zoom = kBirdsEyeZoom,
+      .has_rows_upward = true};
+}
+
+// The plot with its axes and texts, as a picture.
+Image<Rgb> Finished(Plot plot, const ViewPlots& view, std::string title, std::string quantity) {
+  if (view.has_rows_upward) plot.pixels = FlippedRows(plot.pixels);
+  plot.title = std::move(title);
+  plot.x = view.x;
+  plot.y = view.y;
+  plot.colour_bar->label = std::move(quantity);
+  return FramedPlot(plot);
 }
 
 // One drawing of one scan: what is wanted, and what is there so far.
@@ -54,8 +93,8 @@ class Drawing {
     const std::shared_ptr<const Scan> scan(std::shared_ptr<void>(), &scan_);  // not owning: it outlives this call
     const absl::StatusOr<std::unique_ptr<const PreparedScan>> prepared = PreparedScan::Create(scan, options, stop_);
     if (!prepared.ok()) return prepared.status();
-    if (absl::Status status = AddBirdsEyeView("elevation", **prepared, options.elevation); !status.ok()) return status;
-    if (absl::Status status = AddBirdsEyeView("occupancy", **prepared, options.occupancy); !status.ok()) return status;
+    if (absl::Status status = AddBirdsEyeView(**prepared, options.elevation); !status.ok()) return status;
+    if (absl::Status status = AddBirdsEyeView(**prepared, options.occupancy); !status.ok()) return status;
     return std::move(result_);
   }
 
@@ -72,7 +111,7 @@ class Drawing {
     return absl::OkStatus();
   }
 
-  absl::Status AddCoefficients(const Image<float>& values) {
+  absl::Status AddCoefficients(const Image<float>& values, double step_rad) {
     if (!Wants(PictureKind::kCoefficients)) return absl::OkStatus();
     if (absl::Status status = StopStatus(); !status.ok()) return status;
     Image<double> image(values.rows, values.cols);
@@ -82,24 +121,42 @@ class Drawing {
     if (!transform.ok()) return transform.status();
     const absl::StatusOr<ComplexCurvelets> curvelets = transform->ForwardComplex(image);
     if (!curvelets.ok()) return curvelets.status();
-    Add(PictureKind::kCoefficients, "coefficients", GreyAsRgb(CoefficientPicture(*curvelets, kCoefficientPicturePx)));
+    Add(PictureKind::kCoefficients, "coefficients",
+        FramedPlot(CoefficientPlot(*curvelets, kCoefficientPicturePx, step_rad)));
     return absl::OkStatus();
   }
 
   // Numbered as in the paper: I_DoC(j) = I_c(j) - I_c(j-1), j from 2 on.
-  absl::Status AddDifferences(const std::string& view, const Image<float>& values, const ScaleBandOptions& options) {
+  absl::Status AddDifferences(const ViewPlots& view, const Image<float>& values, const ScaleBandOptions& options) {
     if (!Wants(PictureKind::kDifferences)) return absl::OkStatus();
     if (absl::Status status = StopStatus(); !status.ok()) return status;
     const absl::StatusOr<std::vector<Image<float>>> bands = ComputeScaleBands(values, options);
     if (!bands.ok()) return bands.status();
     const std::vector<Image<float>> stack = DifferenceOfCurvelets(*bands);
-    const bool from_above = view != "range";
     for (std::size_t level = 1; level < stack.size(); ++level) {
-      Image<Rgb> picture = SignedPicture(stack[level], from_above ? kBirdsEyeZoom : 1);
-      if (from_above) picture = FlippedRows(picture);
-      Add(PictureKind::kDifferences, absl::StrCat(view, "_doc_", level + 1), std::move(picture));
+      const std::string title = absl::StrCat("Difference of curvelets, level ", level + 1, " minus ", level, ": ");
+      Add(PictureKind::kDifferences, absl::StrCat(view.name, "_doc_", level + 1),
+          Finished(SignedPlot(stack[level], view.zoom), view, title + view.title, view.difference));
     }
     return absl::OkStatus();
+  }
+
+  void AddKeypoints(const ViewPlots& view, const Image<float>& values, const std::vector<Keypoint>& keypoints,
+                    int num_scales) {
+    Add(PictureKind::kKeypoints, absl::StrCat(view.name, "_keypoints"),
+        Finished(KeypointPlot(values, keypoints, num_scales, view.zoom), view,
+                 absl::StrCat(keypoints.size(), " key points: ", view.title), view.conditioned_quantity));
+    result_.num_keypoints.emplace_back(view.name, static_cast<int>(keypoints.size()));
+  }
+
+  void AddRangeViews(const RangeImage& image, const ViewPlots& view) {
+    if (!Wants(PictureKind::kViews)) return;
+    const BearingAngleImage bearing = ComputeBearingAngles(image, scan_.points);
+    Add(PictureKind::kViews, "range",
+        Finished(ValuePlot(image.range, image.valid, view.zoom), view, "Range panorama", view.quantity));
+    Add(PictureKind::kViews, "bearing_angle",
+        Finished(ValuePlot(bearing.angle, bearing.valid, view.zoom), view, "Bearing angle panorama",
+                 "bearing angle [rad]"));
   }
 
   absl::Status AddRangeView() {
@@ -107,46 +164,44 @@ class Drawing {
     const absl::StatusOr<RangeImage> image = ComputeRangeImage(scan_.points, options.image);
     if (!image.ok()) return image.status();
     if (image->range.empty()) return absl::InvalidArgumentError("no point away from the sensor");
-    if (Wants(PictureKind::kViews)) {
-      const BearingAngleImage bearing = ComputeBearingAngles(*image, scan_.points);
-      Add(PictureKind::kViews, "range", ValuePicture(image->range, image->valid, 2));
-      Add(PictureKind::kViews, "bearing_angle", ValuePicture(bearing.angle, bearing.valid, 2));
-    }
-    const Image<float> conditioned = ConditionedRange(*image, options);
-    if (absl::Status status = AddCoefficients(conditioned); !status.ok()) return status;
+    const ViewPlots view = RangePlots(*image);
+    AddRangeViews(*image, view);
+    const Image<float> conditioned = ConditionRange(*image, options.blur_sigma_px);
+    if (absl::Status status = AddCoefficients(conditioned, image->step_rad); !status.ok()) return status;
     const ScaleBandOptions bands = {.num_scales = options.num_scales, .windows = WindowShape::kCartesian};
-    if (absl::Status status = AddDifferences("range", conditioned, bands); !status.ok()) return status;
+    if (absl::Status status = AddDifferences(view, conditioned, bands); !status.ok()) return status;
     if (!Wants(PictureKind::kKeypoints)) return absl::OkStatus();
     const absl::StatusOr<PaperFeatures> features = ComputePaperFeatures(scan_, options, stop_);
     if (!features.ok()) return features.status();
-    const std::vector<Keypoint>& keypoints = features->features.keypoints;
-    Add(PictureKind::kKeypoints, "range_keypoints", KeypointPicture(conditioned, keypoints, options.num_scales, 2));
-    result_.num_keypoints.emplace_back("range", static_cast<int>(keypoints.size()));
+    AddKeypoints(view, conditioned, features->features.keypoints, options.num_scales);
     return absl::OkStatus();
   }
 
-  absl::Status AddBirdsEyeView(const std::string& name, const PreparedScan& prepared, const ViewOptions& options) {
+  void AddBirdsEyeImage(const ViewPlots& view, const Eigen::Matrix3d& R_level_sensor, const ViewOptions& options) {
+    if (!Wants(PictureKind::kViews)) return;
+    const BirdsEyeImage image =
+        options.view == BirdsEyeView::kElevation
+            ? ElevationImage(scan_.points, R_level_sensor, options.image)
+            : OccupancyImage(ComputeOccupancySlices(scan_.points, R_level_sensor, options.image));
+    const std::string title =
+        options.view == BirdsEyeView::kElevation ? "Elevation from above" : "Occupancy from above";
+    Add(PictureKind::kViews, view.name,
+        Finished(ValuePlot(image.values, image.valid, view.zoom), view, title, view.quantity));
+  }
+
+  absl::Status AddBirdsEyeView(const PreparedScan& prepared, const ViewOptions& options) {
     if (absl::Status status = StopStatus(); !status.ok()) return status;
-    if (Wants(PictureKind::kViews)) {
-      const Eigen::Matrix3d& R_level_sensor = prepared.verticals().front().R_level_sensor;
-      const BirdsEyeImage image =
-          options.view == BirdsEyeView::kElevation
-              ? ElevationImage(scan_.points, R_level_sensor, options.image)
-              : OccupancyImage(ComputeOccupancySlices(scan_.points, R_level_sensor, options.image));
-      Add(PictureKind::kViews, name, FlippedRows(ValuePicture(image.values, image.valid, kBirdsEyeZoom)));
-    }
+    const ViewPlots view = BirdsEyePlots(options);
+    AddBirdsEyeImage(view, prepared.verticals().front().R_level_sensor, options);
     if (!Wants(PictureKind::kDifferences) && !Wants(PictureKind::kKeypoints)) return absl::OkStatus();
-    const absl::StatusOr<const ViewFeatures*> view = prepared.View(options.view, 0, stop_);
-    if (!view.ok()) return view.status();
-    const Image<float>& conditioned = (*view)->image.values;
+    const absl::StatusOr<const ViewFeatures*> features = prepared.View(options.view, 0, stop_);
+    if (!features.ok()) return features.status();
+    const Image<float>& conditioned = (*features)->image.values;
     Image<float> tapered = conditioned;
     TaperBorder(options.taper_px, tapered);
-    if (absl::Status status = AddDifferences(name, tapered, options.bands); !status.ok()) return status;
+    if (absl::Status status = AddDifferences(view, tapered, options.bands); !status.ok()) return status;
     if (!Wants(PictureKind::kKeypoints)) return absl::OkStatus();
-    const std::vector<Keypoint>& keypoints = (*view)->features.keypoints;
-    Add(PictureKind::kKeypoints, absl::StrCat(name, "_keypoints"),
-        FlippedRows(KeypointPicture(conditioned, keypoints, options.bands.num_scales, kBirdsEyeZoom)));
-    result_.num_keypoints.emplace_back(name, static_cast<int>(keypoints.size()));
+    AddKeypoints(view, conditioned, (*features)->features.keypoints, options.bands.num_scales);
     return absl::OkStatus();
   }
 

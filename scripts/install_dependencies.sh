@@ -14,7 +14,8 @@ declare -A PACKAGES=(
   [build]="
     g++ gcc libc6-dev cmake ninja-build ccache make git pkg-config
     libeigen3-dev libfftw3-dev libflann-dev liblz4-dev libabsl-dev libtbb-dev libxxhash-dev
-    libpng-dev libceres-dev libcli11-dev nlohmann-json3-dev
+    libpng-dev libceres-dev libcli11-dev nlohmann-json3-dev zlib1g-dev
+    libopencv-core-dev libopencv-imgproc-dev
     libgtest-dev libgmock-dev libbenchmark-dev"
   # the service and its client library (-DCURVEREG_BUILD_SERVER=OFF does without), and what their tests call
   [server]="
@@ -23,10 +24,11 @@ declare -A PACKAGES=(
     libtomlplusplus-dev
     openssl prometheus python3 python3-grpcio python3-protobuf"
   # what the built executables load, without the paper's rivals: the container image has these and nothing else of ours
+  # (OpenCV is part of the executables; LAPACK and BLAS, which it asks for, come with libceres3)
   [runtime]="
     libstdc++6 libgrpc++1.51 libgrpc29 libprotobuf32 libabsl20220623 libssl3 libsqlite3-0 libzstd1 libisal2
     libspdlog1.10 libtomlplusplus3 libprometheus-cpp-core1.0 libcivetweb1
-    libceres3 libfftw3-double3 libfftw3-single3 libtbb12 libxxhash0 liblz4-1 libpng16-16"
+    libceres3 libfftw3-double3 libfftw3-single3 libtbb12 libxxhash0 liblz4-1 libpng16-16 zlib1g"
   # the paper's rivals (-DCURVEREG_BUILD_BASELINES=OFF does without; by far the largest download)
   [baselines]="libpcl-dev"
   # the figures of the evaluation report

@@ -8,7 +8,7 @@
 
 #include "core/base/stop_status.h"
 #include "core/curvelet/scale_bands.h"
-#include "core/views/image_conditioning.h"
+#include "core/views/range_conditioning.h"
 
 namespace curvereg {
 namespace {
@@ -17,31 +17,16 @@ namespace {
 // fewer than an image of the coarsest step has.
 constexpr int kWrapPx = 24;
 
-void Normalise(Image<float>& image) {
-  const auto [low, high] = std::minmax_element(image.pixels.begin(), image.pixels.end());
-  const float offset = *low;
-  const float scale = *high > *low ? 1.0F / (*high - *low) : 0.0F;
-  for (float& value : image.pixels) value = (value - offset) * scale;
-}
-
 // The image with `margin` more columns on either side, taken from the other one. Precondition: margin <= columns.
-template <typename T>
-Image<T> WrappedAround(const Image<T>& image, int margin) {
-  Image<T> wrapped(image.rows, image.cols + 2 * margin);
+Image<float> WrappedAround(const Image<float>& image, int margin) {
+  Image<float> wrapped(image.rows, image.cols + 2 * margin);
   for (int row = 0; row < image.rows; ++row) {
-    const T* in = image.Row(row);
-    T* out = std::copy_n(in + image.cols - margin, margin, wrapped.Row(row));
+    const float* in = image.Row(row);
+    float* out = std::copy_n(in + image.cols - margin, margin, wrapped.Row(row));
     out = std::copy_n(in, image.cols, out);
     std::copy_n(in, margin, out);
   }
   return wrapped;
-}
-
-// Takes the margins off again.
-Image<float> Unwrapped(const Image<float>& wrapped, int margin) {
-  Image<float> image(wrapped.rows, wrapped.cols - 2 * margin);
-  for (int row = 0; row < image.rows; ++row) std::copy_n(wrapped.Row(row) + margin, image.cols, image.Row(row));
-  return image;
 }
 
 // Index of the return under a key point of the wrapped image; -1 when the key point belongs to a copy, lies on a filled
@@ -51,17 +36,6 @@ int32_t ReturnOf(const Keypoint& keypoint, const RangeImage& image, double min_r
   const int col = static_cast<int>(std::floor(keypoint.col + 0.5F)) - kWrapPx;
   if (!image.range.Contains(row, col) || image.valid(row, col) == 0) return -1;
   return image.range(row, col) < min_range_m ? -1 : image.point(row, col);
-}
-
-// The scan's image on [0, 1], without holes. Precondition: it has returns.
-Image<float> Conditioned(const RangeImage& image, double blur_sigma_px) {
-  const int margin = image.range.cols / 2;  // as wide as the holes are: half the sky
-  Image<float> wrapped = WrappedAround(image.range, margin);
-  FillHoles(WrappedAround(image.valid, margin), wrapped);
-  GaussianBlur3x3(blur_sigma_px, wrapped);
-  Image<float> conditioned = Unwrapped(wrapped, margin);
-  Normalise(conditioned);
-  return conditioned;
 }
 
 // Key points with a return of their own, of the images that WrappedAround continued.
@@ -94,7 +68,7 @@ absl::StatusOr<PaperFeatures> ComputePaperFeatures(const Scan& scan, const Paper
   if (image->range.empty()) return PaperFeatures{};
   if (absl::Status status = StopStatus(stop, "registration"); !status.ok()) return status;
   absl::StatusOr<std::vector<Image<float>>> bands =
-      ComputeScaleBands(Conditioned(*image, options.blur_sigma_px),
+      ComputeScaleBands(ConditionRange(*image, options.blur_sigma_px),
                         {.num_scales = options.num_scales, .windows = WindowShape::kCartesian});
   if (!bands.ok()) return bands.status();
   if (absl::Status status = StopStatus(stop, "registration"); !status.ok()) return status;

@@ -4,7 +4,6 @@
 
 #include <png.h>
 
-#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -24,16 +23,6 @@ Image<Rgb> Decode(const std::string& bytes) {
   Image<Rgb> picture(static_cast<int>(image.height), static_cast<int>(image.width));
   if (png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr) == 0) return {};
   return picture;
-}
-
-// CIE lightness of an sRGB colour, in [0, 100].
-double Lightness(const Rgb& colour) {
-  const auto linear = [](uint8_t byte) {
-    const double u = byte / 255.0;
-    return u <= 0.04045 ? u / 12.92 : std::pow((u + 0.055) / 1.055, 2.4);
-  };
-  const double y = 0.2126 * linear(colour[0]) + 0.7152 * linear(colour[1]) + 0.0722 * linear(colour[2]);
-  return y > 0.008856 ? 116.0 * std::cbrt(y) - 16.0 : 903.3 * y;
 }
 
 TEST(EncodePng, ColoursComeBack) {
@@ -59,28 +48,6 @@ TEST(EncodePng, GreysComeBack) {
 
 TEST(EncodePng, NoPixelsIsAnError) {
   EXPECT_EQ(EncodePng(Image<uint8_t>()).status().code(), absl::StatusCode::kInvalidArgument);
-}
-
-TEST(HeightColour, LightnessRisesEvenly) {
-  double previous = Lightness(HeightColour(0.0));
-  EXPECT_LT(previous, 15.0);
-  for (int i = 1; i <= 10; ++i) {
-    const double lightness = Lightness(HeightColour(i / 10.0));
-    EXPECT_NEAR(lightness - previous, 8.0, 3.0) << i;
-    previous = lightness;
-  }
-  EXPECT_GT(previous, 85.0);
-  EXPECT_EQ(HeightColour(-1.0), HeightColour(0.0));
-  EXPECT_EQ(HeightColour(2.0), HeightColour(1.0));
-  EXPECT_EQ(HeightColour(std::nan("")), HeightColour(0.0));
-}
-
-TEST(SignedColour, WhiteAtZeroAndDifferentEnds) {
-  EXPECT_EQ(SignedColour(0.0), (Rgb{255, 255, 255}));
-  EXPECT_EQ(SignedColour(std::nan("")), (Rgb{255, 255, 255}));
-  EXPECT_GT(SignedColour(-1.0)[2], SignedColour(-1.0)[0]);
-  EXPECT_GT(SignedColour(1.0)[0], SignedColour(1.0)[2]);
-  EXPECT_EQ(SignedColour(-9.0), SignedColour(-1.0));
 }
 
 }  // namespace

@@ -57,6 +57,33 @@ TEST(DrawScanTest, APictureIsTheSameAloneAsAmongAll) {
   EXPECT_EQ(num_pictures, all->pictures.size());
 }
 
+// Whether all pixels of rows [top, bottom) and columns [left, right) are white.
+bool IsWhite(const Image<Rgb>& picture, int top, int bottom, int left, int right) {
+  for (int row = top; row < bottom; ++row) {
+    for (int col = left; col < right; ++col) {
+      if (picture(row, col) != Rgb{255, 255, 255}) return false;
+    }
+  }
+  return true;
+}
+
+TEST(DrawScanTest, EachPictureHasATitleAndScalesAndNothingIsCutOff) {
+  const auto all = DrawScan(Ground());
+  ASSERT_THAT(all, IsOk());
+  for (const NamedPicture& named : all->pictures) {
+    const Image<Rgb>& picture = named.picture;
+    const int rows = picture.rows, cols = picture.cols;
+    EXPECT_FALSE(IsWhite(picture, 0, 40, 0, cols)) << named.name;                // title
+    EXPECT_FALSE(IsWhite(picture, rows - 40, rows, 0, cols / 2)) << named.name;  // scale bar
+    EXPECT_FALSE(IsWhite(picture, 0, rows, 0, 40)) << named.name;                // y axis
+    EXPECT_FALSE(IsWhite(picture, 0, rows, cols - 60, cols)) << named.name;      // colour bar
+    EXPECT_TRUE(IsWhite(picture, 0, 4, 0, cols)) << named.name;
+    EXPECT_TRUE(IsWhite(picture, rows - 4, rows, 0, cols)) << named.name;
+    EXPECT_TRUE(IsWhite(picture, 0, rows, 0, 4)) << named.name;
+    EXPECT_TRUE(IsWhite(picture, 0, rows, cols - 4, cols)) << named.name;
+  }
+}
+
 TEST(DrawScanTest, StopsWhenAsked) {
   std::stop_source source;
   source.request_stop();

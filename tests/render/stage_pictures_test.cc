@@ -11,45 +11,52 @@
 namespace curvereg {
 namespace {
 
-TEST(ValuePicture, InvalidPixelsAreGreyAndValuesSpanTheColours) {
+TEST(ValuePlot, InvalidPixelsAreGreyAndValuesSpanTheColours) {
   Image<float> values(1, 101);
   for (int col = 0; col < 101; ++col) values(0, col) = static_cast<float>(col);
   Image<uint8_t> valid(1, 101, 1);
   valid(0, 50) = 0;
-  const Image<Rgb> picture = ValuePicture(values, valid);
+  const Plot plot = ValuePlot(values, valid);
+  const Image<Rgb>& picture = plot.pixels;
   EXPECT_EQ(picture(0, 0), HeightColour(0.0));
   EXPECT_EQ(picture(0, 100), HeightColour(1.0));
   EXPECT_EQ(picture(0, 50), (Rgb{128, 128, 128}));
+  EXPECT_EQ(plot.colour_bar->low, 1.0);  // the 2nd and the 98th percentile of 100 values
+  EXPECT_EQ(plot.colour_bar->high, 98.0);
 }
 
-TEST(ValuePicture, ZoomRepeatsPixels) {
+TEST(ValuePlot, ZoomRepeatsPixels) {
   Image<float> values(2, 3, 5.0F);
-  const Image<Rgb> picture = ValuePicture(values, Image<uint8_t>(2, 3, 1), 4);
+  const Image<Rgb> picture = ValuePlot(values, Image<uint8_t>(2, 3, 1), 4).pixels;
   EXPECT_EQ(picture.rows, 8);
   EXPECT_EQ(picture.cols, 12);
 }
 
-TEST(ValuePicture, NothingValidAndNothingFiniteAreNoFault) {
+TEST(ValuePlot, NothingValidAndNothingFiniteAreNoFault) {
   const Image<float> values(2, 2, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_EQ(ValuePicture(values, Image<uint8_t>(2, 2, 0))(1, 1), (Rgb{128, 128, 128}));
-  EXPECT_EQ(ValuePicture(values, Image<uint8_t>(2, 2, 1))(1, 1), HeightColour(0.0));
-  EXPECT_EQ(SignedPicture(values)(0, 0), (Rgb{255, 255, 255}));
-  EXPECT_TRUE(SignedPicture(Image<float>()).empty());
+  EXPECT_EQ(ValuePlot(values, Image<uint8_t>(2, 2, 0)).pixels(1, 1), (Rgb{128, 128, 128}));
+  EXPECT_EQ(ValuePlot(values, Image<uint8_t>(2, 2, 1)).pixels(1, 1), HeightColour(0.0));
+  EXPECT_EQ(SignedPlot(values).pixels(0, 0), (Rgb{255, 255, 255}));
+  EXPECT_TRUE(SignedPlot(Image<float>()).pixels.empty());
 }
 
-TEST(SignedPicture, SignGivesTheColourAndZeroIsWhite) {
+TEST(SignedPlot, SignGivesTheColourAndZeroIsWhite) {
   Image<float> values(1, 3);
   values.pixels = {-2.0F, 0.0F, 2.0F};
-  const Image<Rgb> picture = SignedPicture(values);
+  const Plot plot = SignedPlot(values);
+  const Image<Rgb>& picture = plot.pixels;
   EXPECT_EQ(picture(0, 0), SignedColour(-1.0));
   EXPECT_EQ(picture(0, 1), SignedColour(0.0));
   EXPECT_EQ(picture(0, 2), SignedColour(1.0));
+  EXPECT_EQ(plot.colour_bar->low, -2.0);
+  EXPECT_EQ(plot.colour_bar->high, 2.0);
+  EXPECT_EQ(plot.colour_bar->colour(0.0), SignedColour(-1.0));
 }
 
-TEST(KeypointPicture, CirclesAroundThePointOnly) {
+TEST(KeypointPlot, CirclesAroundThePointOnly) {
   const Keypoint maximum{.row = 20.0F, .col = 30.0F, .level = 4, .response = 1.0F};
-  const Image<Rgb> plain = KeypointPicture(Image<float>(40, 60), {}, 6);
-  const Image<Rgb> marked = KeypointPicture(Image<float>(40, 60), {maximum}, 6);
+  const Image<Rgb> plain = KeypointPlot(Image<float>(40, 60), {}, 6).pixels;
+  const Image<Rgb> marked = KeypointPlot(Image<float>(40, 60), {maximum}, 6).pixels;
   int num_changed = 0;
   for (int row = 0; row < 40; ++row) {
     for (int col = 0; col < 60; ++col) {
@@ -62,23 +69,16 @@ TEST(KeypointPicture, CirclesAroundThePointOnly) {
   EXPECT_GE(num_changed, 6);
 }
 
-TEST(KeypointPicture, CoarseLevelsHaveLargeCirclesAndTheBorderCutsThem) {
+TEST(KeypointPlot, CoarseLevelsHaveLargeCirclesAndTheBorderCutsThem) {
   const Keypoint fine{.row = 32.0F, .col = 32.0F, .level = 4, .response = -1.0F};
   const Keypoint coarse{.row = 32.0F, .col = 32.0F, .level = 1, .response = -1.0F};
   const auto count = [](const Image<Rgb>& picture) {
     return std::count_if(picture.pixels.begin(), picture.pixels.end(), [](const Rgb& c) { return c[2] > c[0]; });
   };
-  EXPECT_GT(count(KeypointPicture(Image<float>(64, 64), {coarse}, 6)),
-            4 * count(KeypointPicture(Image<float>(64, 64), {fine}, 6)));
+  EXPECT_GT(count(KeypointPlot(Image<float>(64, 64), {coarse}, 6).pixels),
+            4 * count(KeypointPlot(Image<float>(64, 64), {fine}, 6).pixels));
   const Keypoint corner{.row = 0.0F, .col = 0.0F, .level = 1, .response = 1.0F};
-  EXPECT_EQ(KeypointPicture(Image<float>(8, 8), {corner}, 6).rows, 8);
-}
-
-TEST(FlippedRows, TwiceIsNothing) {
-  Image<Rgb> picture(3, 2);
-  for (std::size_t i = 0; i < picture.size(); ++i) picture.pixels[i] = {static_cast<uint8_t>(i), 0, 0};
-  EXPECT_EQ(FlippedRows(picture)(0, 0), picture(2, 0));
-  EXPECT_EQ(FlippedRows(FlippedRows(picture)).pixels, picture.pixels);
+  EXPECT_EQ(KeypointPlot(Image<float>(8, 8), {corner}, 6).pixels.rows, 8);
 }
 
 }  // namespace
