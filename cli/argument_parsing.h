@@ -33,7 +33,7 @@ absl::StatusOr<Method> ParseMethod(const std::string& name);
 // "A,B,...", at least one, none twice.
 absl::StatusOr<std::vector<Method>> ParseMethods(const std::string& names);
 
-// Checks of an option's text, as CLI11 asks for them: empty when it may pass, else what is wrong.
+// Checks of an option's text, for OptionSyntax::Check: empty when it may pass, else what is wrong.
 std::string CheckPositive(const std::string& text);     // a finite number above 0
 std::string CheckSeconds(const std::string& text);      // the same, and at most 10^9
 std::string CheckNotNegative(const std::string& text);  // a whole number from 0 to 2^64 - 1

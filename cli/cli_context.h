@@ -8,7 +8,6 @@
 #ifndef CURVEREG_CLI_CLI_CONTEXT_H_
 #define CURVEREG_CLI_CLI_CONTEXT_H_
 
-#include <CLI/App.hpp>
 #include <functional>
 #include <optional>
 #include <stop_token>
@@ -16,6 +15,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/stop.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
@@ -35,7 +35,7 @@ struct CliContext {
 // One command: `Add...Command(app)` declares its arguments and returns what runs it once they are parsed.
 using CommandRunner = std::function<ExitCode(const CliContext&)>;
 struct Command {
-  CLI::App* app = nullptr;  // owned by the root app; knows whether the command was given
+  CommandSyntax syntax;  // knows whether the command was given
   CommandRunner run;
 };
 

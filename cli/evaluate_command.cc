@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/evaluate_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <memory>
 #include <string>
 #include <utility>
@@ -19,6 +17,7 @@
 #include "eval/report_json.h"
 #include "eval/traverse_evaluation_report.h"
 #include "files/cloud_file.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -148,44 +147,44 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddEvaluateCommand(CLI::App& app) {
+Command AddEvaluateCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("evaluate", "Evaluate methods on a data set with ground truth and write a report");
-  command->add_option("DATASET", arguments->dataset, "Folder of scans with poses.txt or pairs.txt")->required();
-  command->add_option("--method", arguments->methods, absl::StrCat("Methods, separated by commas: ", MethodNames()))
-      ->capture_default_str()
-      ->type_name("A[,B...]");
-  command->add_option("--mode", arguments->mode, "Evaluate pairs one by one, or the whole drive")
-      ->check(CLI::IsMember({"pairs", "traverse"}))
-      ->capture_default_str();
-  command->add_option("--every", arguments->selection.every, "With poses.txt: register scan i+N onto scan i")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  command->add_option("--take", arguments->selection.take, "Register only every N-th pair, for slow methods")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
+  CommandSyntax command =
+      app.AddCommand("evaluate", "Evaluate methods on a data set with ground truth and write a report");
+  command.AddOption("DATASET", arguments->dataset, "Folder of scans with poses.txt or pairs.txt").Required();
+  command.AddOption("--method", arguments->methods, absl::StrCat("Methods, separated by commas: ", MethodNames()))
+      .ShowDefault()
+      .ValueName("A[,B...]");
+  command.AddOption("--mode", arguments->mode, "Evaluate pairs one by one, or the whole drive")
+      .OneOf({"pairs", "traverse"})
+      .ShowDefault();
+  command.AddOption("--every", arguments->selection.every, "With poses.txt: register scan i+N onto scan i")
+      .Within(1, 1000000)
+      .ShowDefault();
+  command.AddOption("--take", arguments->selection.take, "Register only every N-th pair, for slow methods")
+      .Within(1, 1000000)
+      .ShowDefault();
   command
-      ->add_option("--min-overlap", arguments->selection.min_overlap,
-                   "With pairs.txt: skip pairs whose known overlap is below this")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "The same seed gives the same results")
-      ->check(CheckNotNegative)
-      ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command->add_option("--time-budget", arguments->time_budget_s, "Seconds for each registration")->check(CheckSeconds);
+      .AddOption("--min-overlap", arguments->selection.min_overlap,
+                 "With pairs.txt: skip pairs whose known overlap is below this")
+      .Within(0.0, 1.0)
+      .ShowDefault();
+  command.AddOption("--seed", arguments->seed, "The same seed gives the same results")
+      .Check(CheckNotNegative)
+      .ShowDefault();
+  command.AddOption("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
+      .Within(0, 4096)
+      .ShowDefault();
+  command.AddOption("--time-budget", arguments->time_budget_s, "Seconds for each registration").Check(CheckSeconds);
   command
-      ->add_option("--out", arguments->out,
-                   "Folder for report.html, report.json (of a traverse: traverse.json), figures, trajectories and maps")
-      ->required()
-      ->type_name("DIR");
-  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
-  AddServerOptions(*command, arguments->server);
-  command->footer(kExamples);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+      .AddOption("--out", arguments->out,
+                 "Folder for report.html, report.json (of a traverse: traverse.json), figures, trajectories and maps")
+      .Required()
+      .ValueName("DIR");
+  command.AddFlag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(command, arguments->server);
+  command.SetFooter(kExamples);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

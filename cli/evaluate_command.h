@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_EVALUATE_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddEvaluateCommand(CLI::App& app);
+Command AddEvaluateCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/inspect_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,7 +12,9 @@
 #include "cli/progress_bar.h"
 #include "cli/service_access.h"
 #include "files/atomic_file.h"
+#include "files/json.h"
 #include "files/result_json.h"
+#include "program/command_syntax.h"
 #include "wire/resource_names.h"
 
 namespace curvereg::cli {
@@ -79,16 +78,16 @@ absl::Status WritePictures(const RemotePictures& pictures, const std::string& fo
 }
 
 std::string ResultLine(const Arguments& arguments, const RemotePictures& pictures) {
-  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  Json files = Json::Array();
   std::string text = absl::StrCat("points       ", pictures.num_points, "\n");
-  nlohmann::ordered_json keypoints = nlohmann::ordered_json::object();
+  Json keypoints = Json::Object();
   for (const auto& [view, count] : pictures.num_keypoints) {
     absl::StrAppend(&text, "key points   ", count, " in the ", view, " view\n");
     keypoints[view] = count;
   }
   for (const RemotePicture& named : pictures.pictures) {
     absl::StrAppend(&text, "picture      ", arguments.out, "/", named.name, ".png\n");
-    files.push_back(absl::StrCat(named.name, ".png"));
+    files.Append(absl::StrCat(named.name, ".png"));
   }
   if (!arguments.json) return text;
   return JsonText({{"scan", arguments.scan},
@@ -111,21 +110,21 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddInspectCommand(CLI::App& app) {
+Command AddInspectCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("inspect", "Draw every processing stage of a scan");
-  command->add_option("SCAN", arguments->scan, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
-      ->required();
-  command->add_option("--out", arguments->out, "Folder for the pictures")->required()->type_name("DIR");
-  command->add_option("--gravity", arguments->gravity, "Direction of gravity (down) in the scan's frame")
-      ->type_name("X,Y,Z");
-  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
-  AddServerOptions(*command, arguments->server);
-  command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+  CommandSyntax command = app.AddCommand("inspect", "Draw every processing stage of a scan");
+  command.AddOption("SCAN", arguments->scan, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
+      .Required();
+  command.AddOption("--out", arguments->out, "Folder for the pictures").Required().ValueName("DIR");
+  command.AddOption("--gravity", arguments->gravity, "Direction of gravity (down) in the scan's frame")
+      .ValueName("X,Y,Z");
+  command.AddOption("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
+      .Within(0, 4096)
+      .ShowDefault();
+  command.AddFlag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(command, arguments->server);
+  command.SetFooter(kNotes);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_INSPECT_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddInspectCommand(CLI::App& app);
+Command AddInspectCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

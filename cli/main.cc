@@ -24,6 +24,7 @@
 #include "cli/trajectory_command.h"
 #include "cli/traverse_command.h"
 #include "cli/watch_command.h"
+#include "program/command_syntax.h"
 #include "program/heap_tuning.h"
 #include "program/program_arguments.h"
 #include "program/termination_signals.h"
@@ -51,11 +52,12 @@ void RefuseEmptyValues(CLI::App& app) {
 ExitCode ParseAndRun(int argc, char** argv) {
   CLI::App app("Registration of 3-D laser scans of planetary terrain", "curvereg");
   app.set_version_flag("--version", "curvereg " CURVEREG_VERSION);
-  app.require_subcommand(1);
-  const std::vector<Command> commands = {AddRegisterCommand(app), AddSimulateCommand(app), AddEvaluateCommand(app),
-                                         AddInspectCommand(app),  AddScansCommand(app),    AddStatusCommand(app),
-                                         AddStreamCommand(app),   AddWatchCommand(app),    AddTrajectoryCommand(app),
-                                         AddMapCommand(app),      AddTraverseCommand(app)};
+  CommandSyntax syntax(app);
+  syntax.RequireCommand();
+  const std::vector<Command> commands = {
+      AddRegisterCommand(syntax),   AddSimulateCommand(syntax), AddEvaluateCommand(syntax), AddInspectCommand(syntax),
+      AddScansCommand(syntax),      AddStatusCommand(syntax),   AddStreamCommand(syntax),   AddWatchCommand(syntax),
+      AddTrajectoryCommand(syntax), AddMapCommand(syntax),      AddTraverseCommand(syntax)};
   RefuseEmptyValues(app);
   try {
     ParseArguments(app, argc, argv);
@@ -66,7 +68,7 @@ ExitCode ParseAndRun(int argc, char** argv) {
   KeepFreedMemory();                    // the service runs in this process unless --server is given
   const TerminationSignals signals("curvereg: interrupted again, leaving at once\n");
   for (const Command& command : commands) {
-    if (command.app->parsed()) return command.run({.interrupted = signals.token()});
+    if (command.syntax.WasNamed()) return command.run({.interrupted = signals.token()});
   }
   return ExitCode::kUsage;  // unreachable: a subcommand is required
 }

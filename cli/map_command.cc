@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/map_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "absl/strings/ascii.h"
@@ -17,6 +14,7 @@
 #include "client/traverses.h"
 #include "files/atomic_file.h"
 #include "files/cloud_file.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -75,26 +73,26 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddMapCommand(CLI::App& app) {
+Command AddMapCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("map", "Export the map of a traverse");
-  command->add_option("ID", arguments->traverse.id, "The traverse")->required();
-  command->add_option("--out", arguments->out, "File to write: .pcd or .ply (points), .asc (heights)")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--cell", arguments->map.cell_m, "Edge of a cell [m]")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str()
-      ->type_name("M");
-  command->add_option("--segment", arguments->map.segment, "Segment to map")
-      ->check(CLI::Range(0, 1 << 30))
-      ->capture_default_str()
-      ->type_name("N");
-  command->add_flag("--remove-seen-through", arguments->map.remove_seen_through,
-                    "Remove points that lie in the free space of other scans (dynamic objects)");
-  AddTraverseOptions(*command, arguments->traverse, "Print one JSON object and nothing else");
-  command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+  CommandSyntax command = app.AddCommand("map", "Export the map of a traverse");
+  command.AddOption("ID", arguments->traverse.id, "The traverse").Required();
+  command.AddOption("--out", arguments->out, "File to write: .pcd or .ply (points), .asc (heights)")
+      .Required()
+      .ValueName("FILE");
+  command.AddOption("--cell", arguments->map.cell_m, "Edge of a cell [m]")
+      .Within(0.01, 10.0)
+      .ShowDefault()
+      .ValueName("M");
+  command.AddOption("--segment", arguments->map.segment, "Segment to map")
+      .Within(0, 1 << 30)
+      .ShowDefault()
+      .ValueName("N");
+  command.AddFlag("--remove-seen-through", arguments->map.remove_seen_through,
+                  "Remove points that lie in the free space of other scans (dynamic objects)");
+  AddTraverseOptions(command, arguments->traverse, "Print one JSON object and nothing else");
+  command.SetFooter(kNotes);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_MAP_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddMapCommand(CLI::App& app);
+Command AddMapCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/register_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -17,7 +14,9 @@
 #include "cli/result_text.h"
 #include "cli/service_access.h"
 #include "files/cloud_file.h"
+#include "files/json.h"
 #include "files/result_json.h"
+#include "program/command_syntax.h"
 #include "wire/resource_names.h"
 
 namespace curvereg::cli {
@@ -172,9 +171,8 @@ absl::Status WriteOutputs(const Arguments& arguments, const Side& source, const 
 
 std::string ResultLine(const Arguments& arguments, const RegistrationResult& result) {
   if (!arguments.json) return RegistrationText(result);
-  nlohmann::ordered_json json = {
-      {"source", arguments.source}, {"target", arguments.target}, {"method", arguments.method}};
-  json.update(ResultJson(result));
+  Json json = {{"source", arguments.source}, {"target", arguments.target}, {"method", arguments.method}};
+  json.Update(ResultJson(result));
   return JsonText(json) + "\n";
 }
 
@@ -208,43 +206,43 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddRegisterCommand(CLI::App& app) {
+Command AddRegisterCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("register", "Find the transform that aligns the scan SOURCE to TARGET");
+  CommandSyntax command = app.AddCommand("register", "Find the transform that aligns the scan SOURCE to TARGET");
   command
-      ->add_option("SOURCE", arguments->source,
-                   "Scan to align: PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
-      ->required();
-  command->add_option("TARGET", arguments->target, "Reference scan")->required();
-  command->add_option("--method", arguments->method, MethodNames())->capture_default_str()->type_name("NAME");
-  command->add_option("--prior", arguments->prior,
-                      "Initial guess of T_target_source: a file or quoted numbers, 16 or 12 (rows of the matrix) or "
-                      "\"x y z qx qy qz qw\"");
-  command->add_option("--prior-sigma", arguments->prior_sigma,
-                      "Standard deviations of the prior: ROTATION_RAD,TRANSLATION_M");
-  command->add_option("--gravity-source", arguments->gravity_source,
-                      "Direction of gravity (down) in the source's frame: X,Y,Z");
-  command->add_option("--gravity-target", arguments->gravity_target, "The same in the target's frame");
-  command->add_option("--seed", arguments->seed, "The same seed gives the same result")
-      ->check(CheckNotNegative)
-      ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command->add_option("--time-budget", arguments->time_budget_s, "Seconds; when they are over, the best pose so far")
-      ->check(CheckSeconds);
-  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+      .AddOption("SOURCE", arguments->source,
+                 "Scan to align: PCD, PLY, KITTI .bin, XYZ/CSV or LAS, or scans/... of a server")
+      .Required();
+  command.AddOption("TARGET", arguments->target, "Reference scan").Required();
+  command.AddOption("--method", arguments->method, MethodNames()).ShowDefault().ValueName("NAME");
+  command.AddOption("--prior", arguments->prior,
+                    "Initial guess of T_target_source: a file or quoted numbers, 16 or 12 (rows of the matrix) or "
+                    "\"x y z qx qy qz qw\"");
+  command.AddOption("--prior-sigma", arguments->prior_sigma,
+                    "Standard deviations of the prior: ROTATION_RAD,TRANSLATION_M");
+  command.AddOption("--gravity-source", arguments->gravity_source,
+                    "Direction of gravity (down) in the source's frame: X,Y,Z");
+  command.AddOption("--gravity-target", arguments->gravity_target, "The same in the target's frame");
+  command.AddOption("--seed", arguments->seed, "The same seed gives the same result")
+      .Check(CheckNotNegative)
+      .ShowDefault();
+  command.AddOption("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
+      .Within(0, 4096)
+      .ShowDefault();
+  command.AddOption("--time-budget", arguments->time_budget_s, "Seconds; when they are over, the best pose so far")
+      .Check(CheckSeconds);
+  command.AddFlag("--json", arguments->json, "Print one JSON object and nothing else");
   command
-      ->add_option(
+      .AddOption(
           "--out-cloud", arguments->out_cloud,
           "Write the source, transformed to the target's frame, together with the target. Needs a pose, accepted "
           "or not: .pcd, .ply, .bin, .xyz, .txt or .csv")
-      ->type_name("FILE");
-  command->add_option("--report", arguments->report, "Write result.json and report.html with pictures to this folder")
-      ->type_name("DIR");
-  AddServerOptions(*command, arguments->server);
-  command->footer(kExamples);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+      .ValueName("FILE");
+  command.AddOption("--report", arguments->report, "Write result.json and report.html with pictures to this folder")
+      .ValueName("DIR");
+  AddServerOptions(command, arguments->server);
+  command.SetFooter(kExamples);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_REGISTER_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddRegisterCommand(CLI::App& app);
+Command AddRegisterCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

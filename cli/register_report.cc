@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/register_report.h"
 
-#include <nlohmann/json.hpp>
-
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "cli/result_text.h"
 #include "files/atomic_file.h"
+#include "files/json.h"
 #include "files/result_json.h"
 #include "render/cloud_pictures.h"
 #include "render/png.h"
@@ -60,8 +59,8 @@ absl::StatusOr<std::string> Page(const NamedScans& scans, const RegistrationResu
 }  // namespace
 
 absl::Status WriteRegisterReport(const std::string& folder, const NamedScans& scans, const RegistrationResult& result) {
-  nlohmann::ordered_json json = {{"source", scans.source_name}, {"target", scans.target_name}};
-  json.update(ResultJson(result));
+  Json json = {{"source", scans.source_name}, {"target", scans.target_name}};
+  json.Update(ResultJson(result));
   const absl::Status status = WriteFileAtomically(folder + "/result.json", JsonText(json, 1) + "\n");
   if (!status.ok()) return status;
   const absl::StatusOr<std::string> page = Page(scans, result);

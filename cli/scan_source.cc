@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/scan_source.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <cmath>
 #include <utility>
 
@@ -11,6 +9,7 @@
 #include "cli/argument_parsing.h"
 #include "cli/cloud_arguments.h"
 #include "files/scan_files.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -42,21 +41,21 @@ absl::Status CheckTimes(const std::vector<StampedPose>& poses) {
 
 }  // namespace
 
-void AddScanSourceOptions(CLI::App& command, ScanSourceArguments& arguments) {
-  CLI::Option* folder = command.add_option("DIR", arguments.folder, "Folder of scans, sent in name order");
-  command.add_option("--follow", arguments.follow, "Folder that grows: sends each new scan, until ^C or --idle-end")
-      ->excludes(folder)
-      ->type_name("DIR");
-  command.add_option("--idle-end", arguments.idle_end_s, "With --follow: end after so many seconds without a new scan")
-      ->check(CheckSeconds)
-      ->type_name("S");
+void AddScanSourceOptions(CommandSyntax command, ScanSourceArguments& arguments) {
+  OptionSyntax folder = command.AddOption("DIR", arguments.folder, "Folder of scans, sent in name order");
+  command.AddOption("--follow", arguments.follow, "Folder that grows: sends each new scan, until ^C or --idle-end")
+      .Excludes(folder)
+      .ValueName("DIR");
+  command.AddOption("--idle-end", arguments.idle_end_s, "With --follow: end after so many seconds without a new scan")
+      .Check(CheckSeconds)
+      .ValueName("S");
   command
-      .add_option("--priors", arguments.priors,
-                  "Odometry of the drive, TUM or KITTI: one pose per scan, in the order of the scans. TUM times become "
-                  "the times of the scans")
-      ->type_name("FILE");
-  command.add_option("--prior-sigma", arguments.prior_sigma,
-                     "Standard deviations of the motion from scan to scan: ROTATION_RAD,TRANSLATION_M");
+      .AddOption("--priors", arguments.priors,
+                 "Odometry of the drive, TUM or KITTI: one pose per scan, in the order of the scans. TUM times become "
+                 "the times of the scans")
+      .ValueName("FILE");
+  command.AddOption("--prior-sigma", arguments.prior_sigma,
+                    "Standard deviations of the motion from scan to scan: ROTATION_RAD,TRANSLATION_M");
 }
 
 absl::StatusOr<ScanSource> ScanSource::Open(const ScanSourceArguments& arguments) {

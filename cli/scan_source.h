@@ -5,7 +5,6 @@
 #ifndef CURVEREG_CLI_SCAN_SOURCE_H_
 #define CURVEREG_CLI_SCAN_SOURCE_H_
 
-#include <CLI/App.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,6 +15,7 @@
 #include "cli/scan_folder.h"
 #include "client/traverses.h"
 #include "files/trajectory_file.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
@@ -27,7 +27,7 @@ struct ScanSourceArguments {
 };
 
 // Declares DIR, --follow, --idle-end, --priors, --prior-sigma.
-void AddScanSourceOptions(CLI::App& command, ScanSourceArguments& arguments);
+void AddScanSourceOptions(CommandSyntax command, ScanSourceArguments& arguments);
 
 class ScanSource {
  public:

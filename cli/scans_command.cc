@@ -3,10 +3,7 @@
 #include "cli/scans_command.h"
 
 #include <unistd.h>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -18,7 +15,9 @@
 #include "cli/progress_bar.h"
 #include "cli/service_access.h"
 #include "files/cloud_file.h"
+#include "files/json.h"
 #include "files/result_json.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -42,7 +41,7 @@ Examples:
   curvereg scans list --server ground-station:50051
   curvereg scans download scans/0123456789abcdef0123456789abcdef --out scan.pcd --server ground-station:50051)";
 
-nlohmann::ordered_json ScanJson(const RemoteScan& scan) {
+Json ScanJson(const RemoteScan& scan) {
   return {
       {"name", scan.name},
       {"num_points", scan.num_points},
@@ -109,13 +108,13 @@ absl::StatusOr<UploadOutcome> UploadFile(Client& client, const std::string& file
 ExitCode Upload(const Arguments& arguments, Client& client, const CliContext& context) {
   const absl::StatusOr<TransferOptions> options = TransferOf(arguments, context);
   if (!options.ok()) return ReportError(options.status());
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  Json json = Json::Array();
   for (const std::string& file : arguments.files) {
     const absl::StatusOr<UploadOutcome> outcome = UploadFile(client, file, *options, context);
     if (!outcome.ok()) return ReportError(outcome.status());
-    nlohmann::ordered_json entry = {{"file", file}, {"already_stored", outcome->already_stored}};
-    entry.update(ScanJson(outcome->scan));
-    json.push_back(std::move(entry));
+    Json entry = {{"file", file}, {"already_stored", outcome->already_stored}};
+    entry.Update(ScanJson(outcome->scan));
+    json.Append(std::move(entry));
     if (arguments.json) continue;
     // Immediately: the names of stored scans are printed even if a later file fails.
     const ExitCode printed = PrintResult(
@@ -128,10 +127,10 @@ ExitCode Upload(const Arguments& arguments, Client& client, const CliContext& co
 ExitCode List(const Arguments& arguments, Client& client, const CliContext& context) {
   const absl::StatusOr<std::vector<RemoteScan>> scans = client.ListScans(context.UntilInterrupted());
   if (!scans.ok()) return ReportError(scans.status());
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  Json json = Json::Array();
   std::string text;
   for (const RemoteScan& scan : *scans) {
-    json.push_back(ScanJson(scan));
+    json.Append(ScanJson(scan));
     text += ScanLine(scan);
   }
   return PrintResult(arguments.json ? JsonText({{"scans", std::move(json)}}) + "\n" : text);
@@ -173,7 +172,7 @@ ExitCode Delete(const Arguments& arguments, Client& client, const CliContext& co
   return ExitCode::kDone;
 }
 
-ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliContext& context) {
+ExitCode Run(const CommandSyntax& command, const Arguments& arguments, const CliContext& context) {
   if (arguments.server.server.empty()) {
     return ReportError(
         absl::InvalidArgumentError("scans are stored on servers: give --server HOST:PORT, or set CURVEREG_SERVER"));
@@ -181,48 +180,47 @@ ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliConte
   if (const absl::Status files = CheckFiles(arguments.files, context); !files.ok()) return ReportError(files);
   absl::StatusOr<ServiceAccess> service = ServiceAccess::Open(arguments.server, context);
   if (!service.ok()) return ReportError(service.status());
-  if (command.got_subcommand("upload")) return Upload(arguments, service->client(), context);
-  if (command.got_subcommand("list")) return List(arguments, service->client(), context);
-  if (command.got_subcommand("download")) return Download(arguments, service->client(), context);
+  if (command.WasNamed("upload")) return Upload(arguments, service->client(), context);
+  if (command.WasNamed("list")) return List(arguments, service->client(), context);
+  if (command.WasNamed("download")) return Download(arguments, service->client(), context);
   return Delete(arguments, service->client(), context);
 }
 
-CLI::App* AddAction(CLI::App& command, const std::string& name, const std::string& help, Arguments& arguments) {
-  CLI::App* action = command.add_subcommand(name, help);
-  action->add_flag("--json", arguments.json, "Print one JSON object and nothing else");
+CommandSyntax AddAction(CommandSyntax command, const std::string& name, const std::string& help, Arguments& arguments) {
+  CommandSyntax action = command.AddCommand(name, help);
+  action.AddFlag("--json", arguments.json, "Print one JSON object and nothing else");
   AddServerOptions(*action, arguments.server);
   return action;
 }
 
 }  // namespace
 
-Command AddScansCommand(CLI::App& app) {
+Command AddScansCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("scans", "Manage the scans stored on a server");
-  command->require_subcommand(1);
-  CLI::App* upload =
-      AddAction(*command, "upload", "Upload scans to a server; resumes after connection loss", *arguments);
-  upload->add_option("FILE", arguments->files, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS")->required();
-  upload->add_option("--encoding", arguments->encoding, "raw, lossless (compressed) or quantized (smallest)")
-      ->check(CLI::IsMember({"raw", "lossless", "quantized"}))
-      ->capture_default_str();
-  upload->add_option("--max-error", arguments->max_error_m, "With quantized: maximum error of a point [m]")
-      ->check(CheckPositive)
-      ->capture_default_str();
-  upload->add_option("--frame", arguments->frame_id, "Name of the sensor frame, stored with the scan")
-      ->type_name("NAME");
-  AddAction(*command, "list", "List the scans, newest first", *arguments);
-  CLI::App* download = AddAction(*command, "download", "Download a scan", *arguments);
-  download->add_option("NAME", arguments->name, "scans/...")->required();
-  download->add_option("--out", arguments->out, "File to write: .pcd, .ply, .bin, .xyz, .csv or .txt")
-      ->required()
-      ->type_name("FILE");
-  AddAction(*command, "delete", "Delete scans", *arguments)
+  CommandSyntax command = app.AddCommand("scans", "Manage the scans stored on a server");
+  command.RequireCommand();
+  CommandSyntax upload =
+      AddAction(command, "upload", "Upload scans to a server; resumes after connection loss", *arguments);
+  upload.AddOption("FILE", arguments->files, "PCD, PLY, KITTI .bin, XYZ/CSV or LAS").Required();
+  upload.AddOption("--encoding", arguments->encoding, "raw, lossless (compressed) or quantized (smallest)")
+      .OneOf({"raw", "lossless", "quantized"})
+      .ShowDefault();
+  upload.AddOption("--max-error", arguments->max_error_m, "With quantized: maximum error of a point [m]")
+      .Check(CheckPositive)
+      .ShowDefault();
+  upload.AddOption("--frame", arguments->frame_id, "Name of the sensor frame, stored with the scan").ValueName("NAME");
+  AddAction(command, "list", "List the scans, newest first", *arguments);
+  CommandSyntax download = AddAction(command, "download", "Download a scan", *arguments);
+  download.AddOption("NAME", arguments->name, "scans/...").Required();
+  download.AddOption("--out", arguments->out, "File to write: .pcd, .ply, .bin, .xyz, .csv or .txt")
+      .Required()
+      .ValueName("FILE");
+  AddAction(command, "delete", "Delete scans", *arguments)
       ->add_option("NAME", arguments->names, "scans/...")
-      ->required();
-  command->footer(kNotes);
-  return {.app = command,
-          .run = [arguments, command](const CliContext& context) { return Run(*command, *arguments, context); }};
+      .Required();
+  command.SetFooter(kNotes);
+  return {.syntax = command,
+          .run = [arguments, command](const CliContext& context) { return Run(command, *arguments, context); }};
 }
 
 }  // namespace curvereg::cli

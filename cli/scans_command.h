@@ -5,13 +5,12 @@
 #ifndef CURVEREG_CLI_SCANS_COMMAND_H_
 #define CURVEREG_CLI_SCANS_COMMAND_H_
 
-#include <CLI/App.hpp>
-
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddScansCommand(CLI::App& app);
+Command AddScansCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/service_access.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,6 +17,7 @@
 #include "cli/progress_bar.h"
 #include "cli/scan_folder.h"
 #include "files/file_bytes.h"
+#include "program/command_syntax.h"
 #include "wire/listen_address.h"
 
 namespace curvereg::cli {
@@ -109,44 +108,43 @@ absl::StatusOr<ClientOptions> OptionsOf(const ServerArguments& arguments) {
 
 }  // namespace
 
-void AddServerOptions(CLI::App& command, ServerArguments& arguments) {
+void AddServerOptions(CommandSyntax command, ServerArguments& arguments) {
   const std::string group = "Server";
   command
-      .add_option("--server", arguments.server, "Use this server; without it, or if empty, this process does the work")
-      ->envname("CURVEREG_SERVER")
-      ->type_name("HOST:PORT")
-      ->group(group);
+      .AddOption("--server", arguments.server, "Use this server; without it, or if empty, this process does the work")
+      .Environment("CURVEREG_SERVER")
+      .ValueName("HOST:PORT")
+      .Group(group);
   command
-      .add_option("--token-file", arguments.token_file,
-                  "File with the bearer token; default: the variable CURVEREG_TOKEN")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_flag("--tls", arguments.tls, "Use TLS; implied by --tls-ca and --tls-cert")
-      ->envname("CURVEREG_TLS")
-      ->group(group);
+      .AddOption("--token-file", arguments.token_file,
+                 "File with the bearer token; default: the variable CURVEREG_TOKEN")
+      .ValueName("FILE")
+      .Group(group);
+  command.AddFlag("--tls", arguments.tls, "Use TLS; implied by --tls-ca and --tls-cert")
+      .Environment("CURVEREG_TLS")
+      .Group(group);
   command
-      .add_option("--tls-ca", arguments.ca,
-                  "PEM file of the certificate authority of the server; default: the system's")
-      ->envname("CURVEREG_TLS_CA")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_option("--tls-cert", arguments.certificate, "PEM file of the certificate of this client, for mutual TLS")
-      ->envname("CURVEREG_TLS_CERT")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_option("--tls-key", arguments.key, "PEM file of the private key of that certificate")
-      ->envname("CURVEREG_TLS_KEY")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_option("--tls-server-name", arguments.server_name, "Name in the server's certificate, if not HOST")
-      ->envname("CURVEREG_TLS_SERVER_NAME")
-      ->type_name("NAME")
-      ->group(group);
+      .AddOption("--tls-ca", arguments.ca, "PEM file of the certificate authority of the server; default: the system's")
+      .Environment("CURVEREG_TLS_CA")
+      .ValueName("FILE")
+      .Group(group);
+  command.AddOption("--tls-cert", arguments.certificate, "PEM file of the certificate of this client, for mutual TLS")
+      .Environment("CURVEREG_TLS_CERT")
+      .ValueName("FILE")
+      .Group(group);
+  command.AddOption("--tls-key", arguments.key, "PEM file of the private key of that certificate")
+      .Environment("CURVEREG_TLS_KEY")
+      .ValueName("FILE")
+      .Group(group);
+  command.AddOption("--tls-server-name", arguments.server_name, "Name in the server's certificate, if not HOST")
+      .Environment("CURVEREG_TLS_SERVER_NAME")
+      .ValueName("NAME")
+      .Group(group);
   command
-      .add_option("--timeout", arguments.timeout_s, "Seconds for a call with its retries; connecting takes at most 10")
-      ->check(CheckSeconds)
-      ->capture_default_str()
-      ->group(group);
+      .AddOption("--timeout", arguments.timeout_s, "Seconds for a call with its retries; connecting takes at most 10")
+      .Check(CheckSeconds)
+      .ShowDefault()
+      .Group(group);
 }
 
 ServiceAccess::~ServiceAccess() {

@@ -5,7 +5,6 @@
 #ifndef CURVEREG_CLI_SERVICE_ACCESS_H_
 #define CURVEREG_CLI_SERVICE_ACCESS_H_
 
-#include <CLI/App.hpp>
 #include <functional>
 #include <memory>
 #include <set>
@@ -14,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "cli/cli_context.h"
 #include "client/client.h"
+#include "program/command_syntax.h"
 #include "server/server.h"
 
 namespace curvereg::cli {
@@ -29,7 +29,7 @@ struct ServerArguments {
 
 // Declares --server (CURVEREG_SERVER), --token-file (or CURVEREG_TOKEN), --tls, --tls-ca, --tls-cert, --tls-key,
 // --tls-server-name, --timeout. `arguments` must outlive the app.
-void AddServerOptions(CLI::App& command, ServerArguments& arguments);
+void AddServerOptions(CommandSyntax command, ServerArguments& arguments);
 
 class ServiceAccess {
  public:

@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/simulate_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +18,8 @@
 #include "cli/simulated_dataset.h"
 #include "core/base/parallel.h"
 #include "files/cloud_file.h"
+#include "files/json.h"
+#include "program/command_syntax.h"
 #include "sim/presets.h"
 #include "sim/simulation.h"
 
@@ -109,16 +108,16 @@ std::string SummaryText(const sim::Simulation& simulation, const SimulatedDatase
 
 std::string SummaryJson(const Arguments& arguments, const sim::Simulation& simulation,
                         const SimulatedDatasetSummary& summary) {
-  const nlohmann::ordered_json json = {{"preset", arguments.preset},
-                                       {"seed", simulation.options().seed},
-                                       {"folder", arguments.out},
-                                       {"uploaded_to", arguments.server.server},
-                                       {"scans", simulation.num_scans()},
-                                       {"points", summary.num_points},
-                                       {"strangers", simulation.Strangers().size()},
-                                       {"mean_step_m", summary.mean_step_m},
-                                       {"mean_rotation_rad", summary.mean_rotation_rad}};
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const Json json = {{"preset", arguments.preset},
+                     {"seed", simulation.options().seed},
+                     {"folder", arguments.out},
+                     {"uploaded_to", arguments.server.server},
+                     {"scans", simulation.num_scans()},
+                     {"points", summary.num_points},
+                     {"strangers", simulation.Strangers().size()},
+                     {"mean_step_m", summary.mean_step_m},
+                     {"mean_rotation_rad", summary.mean_rotation_rad}};
+  return JsonText(json) + "\n";
 }
 
 // The files as they were written, so that the server has what a reader of the folder has.
@@ -168,10 +167,10 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 // Declares an option whose value is put into the preset's options by `set`. Ranges are Validate()'s to check.
 template <typename T>
-CLI::Option* AddChange(CLI::App* command, Arguments* arguments, const std::string& name_and_help,
+OptionSyntax AddChange(CommandSyntax command, Arguments* arguments, const std::string& name_and_help,
                        void (*set)(sim::SimulationOptions&, T)) {
   const std::size_t space = name_and_help.find(' ');
-  return command->add_option_function<T>(
+  return command.AddSetter<T>(
       name_and_help.substr(0, space),
       [arguments, set](const T& value) {
         arguments->changes.push_back([set, value](sim::SimulationOptions& options) { set(options, value); });
@@ -181,10 +180,10 @@ CLI::Option* AddChange(CLI::App* command, Arguments* arguments, const std::strin
 
 using Options = sim::SimulationOptions;
 
-void AddDriveChanges(CLI::App* command, Arguments* arguments) {
+void AddDriveChanges(CommandSyntax command, Arguments* arguments) {
   AddChange<uint64_t>(command, arguments, "--seed The same seed gives the same bytes",
                       [](Options& options, uint64_t value) { options.seed = value; })
-      ->check(CheckNotNegative);
+      .Check(CheckNotNegative);
   AddChange<int>(command, arguments, "--scans Number of scans",
                  [](Options& options, int value) { options.num_scans = value; });
   AddChange<double>(command, arguments, "--step Distance driven between scans [m]",
@@ -200,7 +199,7 @@ void AddDriveChanges(CLI::App* command, Arguments* arguments) {
                     [](Options& options, double value) { options.rover.mast_m = value; });
 }
 
-void AddScannerChanges(CLI::App* command, Arguments* arguments) {
+void AddScannerChanges(CommandSyntax command, Arguments* arguments) {
   AddChange<int>(command, arguments, "--columns Number of beams in azimuth",
                  [](Options& options, int value) { options.scanner.pattern.columns = value; });
   AddChange<int>(command, arguments, "--rows Number of beams in elevation (spiral: turns)",
@@ -221,41 +220,36 @@ void AddScannerChanges(CLI::App* command, Arguments* arguments) {
                     [](Options& options, double value) { options.scanner.motion.forward_mps = value; });
 }
 
-void AddPattern(CLI::App* command, Arguments* arguments) {
+void AddPattern(CommandSyntax command, Arguments* arguments) {
   const auto set = [arguments](const std::string& name) {
     const sim::PatternKind kind = name == "spiral"    ? sim::PatternKind::kSpiral
                                   : name == "rosette" ? sim::PatternKind::kRosette
                                                       : sim::PatternKind::kRegular;
     arguments->changes.push_back([kind](Options& options) { options.scanner.pattern.kind = kind; });
   };
-  command->add_option_function<std::string>("--pattern", set, "Scan pattern: regular, spiral or rosette")
-      ->check(CLI::IsMember({"regular", "spiral", "rosette"}));
+  command.AddSetter<std::string>("--pattern", set, "Scan pattern: regular, spiral or rosette")
+      .OneOf({"regular", "spiral", "rosette"});
 }
 
 }  // namespace
 
-Command AddSimulateCommand(CLI::App& app) {
+Command AddSimulateCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("simulate", "Simulate scans of a rover in a simulated world, with ground truth");
-  command->add_option("--out", arguments->out, "Folder for the scans and the ground truth")
-      ->required()
-      ->type_name("DIR");
-  command->add_option("--preset", arguments->preset, "What to simulate, see below")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command->add_option("--terrain", arguments->terrain, "Elevation model to drive on (ESRI ASCII grid)")
-      ->type_name("FILE");
+  CommandSyntax command =
+      app.AddCommand("simulate", "Simulate scans of a rover in a simulated world, with ground truth");
+  command.AddOption("--out", arguments->out, "Folder for the scans and the ground truth").Required().ValueName("DIR");
+  command.AddOption("--preset", arguments->preset, "What to simulate, see below").ShowDefault().ValueName("NAME");
+  command.AddOption("--terrain", arguments->terrain, "Elevation model to drive on (ESRI ASCII grid)").ValueName("FILE");
   AddDriveChanges(command, arguments.get());
   AddPattern(command, arguments.get());
   AddScannerChanges(command, arguments.get());
-  command->add_option("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
-  AddServerOptions(*command, arguments->server);
-  command->footer(Footer());
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+  command.AddOption("--threads", arguments->threads, "Maximum number of threads; 0: one per processor")
+      .Within(0, 4096)
+      .ShowDefault();
+  command.AddFlag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(command, arguments->server);
+  command.SetFooter(Footer());
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

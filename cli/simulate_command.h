@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_SIMULATE_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddSimulateCommand(CLI::App& app);
+Command AddSimulateCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -2,16 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/status_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "cli/service_access.h"
+#include "files/json.h"
 #include "files/result_json.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -48,17 +47,13 @@ std::string StatusText(const std::string& server, const ServerStatus& status) {
 }
 
 std::string StatusJson(const std::string& server, const ServerStatus& status) {
-  nlohmann::ordered_json json = {{"serving", status.serving},
-                                 {"server", server},
-                                 {"build_id", status.build_id},
-                                 {"round_trip_ms", static_cast<double>(status.round_trip.count()) * 1e-3},
-                                 {"services", nlohmann::ordered_json::object()},
-                                 {"methods", nlohmann::ordered_json::array()},
-                                 {"load", nlohmann::ordered_json::object()},
-                                 {"limits", nlohmann::ordered_json::object()}};
+  Json json = {{"serving", status.serving},   {"server", server},
+               {"build_id", status.build_id}, {"round_trip_ms", static_cast<double>(status.round_trip.count()) * 1e-3},
+               {"services", Json::Object()},  {"methods", Json::Array()},
+               {"load", Json::Object()},      {"limits", Json::Object()}};
   for (const auto& [service, serving] : status.services) json["services"][service] = serving;
   for (const RemoteMethod& method : status.methods) {
-    json["methods"].push_back(
+    json["methods"].Append(
         {{"name", method.name}, {"description", method.description}, {"available", method.available}});
   }
   for (const auto& [name, value] : status.load) json["load"][name] = value;
@@ -79,14 +74,14 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddStatusCommand(CLI::App& app) {
+Command AddStatusCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("status", "Show whether a server serves, its methods, its load and its limits");
-  command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
-  AddServerOptions(*command, arguments->server);
-  command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+  CommandSyntax command =
+      app.AddCommand("status", "Show whether a server serves, its methods, its load and its limits");
+  command.AddFlag("--json", arguments->json, "Print one JSON object and nothing else");
+  AddServerOptions(command, arguments->server);
+  command.SetFooter(kNotes);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

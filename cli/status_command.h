@@ -5,13 +5,12 @@
 #ifndef CURVEREG_CLI_STATUS_COMMAND_H_
 #define CURVEREG_CLI_STATUS_COMMAND_H_
 
-#include <CLI/App.hpp>
-
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddStatusCommand(CLI::App& app);
+Command AddStatusCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/stream_account.h"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "cli/cli_context.h"
 #include "cli/traverse_text.h"
+#include "files/json.h"
 #include "files/result_json.h"
 
 namespace curvereg::cli {
@@ -30,16 +30,16 @@ void PrintScanResult(const ScanResult& result, bool json, StreamAccount& account
   account.printed_all = PrintResult(ResultText(result, is_first, json)) == ExitCode::kDone;
 }
 
-nlohmann::ordered_json StreamSummaryJson(const RemoteTraverse& traverse, const StreamAccount& account,
-                                         const std::optional<OptimizationOutcome>& optimized) {
-  nlohmann::ordered_json json = TraverseJson(traverse);
+Json StreamSummaryJson(const RemoteTraverse& traverse, const StreamAccount& account,
+                       const std::optional<OptimizationOutcome>& optimized) {
+  Json json = TraverseJson(traverse);
   json["num_sent"] = account.progress.num_acknowledged;
   json["num_results"] = account.num_results;
   json["num_unregistered"] = account.num_unregistered;
   json["bytes_sent"] = account.progress.bytes_sent;
   json["bytes_resent"] = account.progress.bytes_resent;
   json["num_resumes"] = account.progress.num_resumes;
-  json["optimization"] = optimized ? OptimizationJson(*optimized) : nlohmann::ordered_json(nullptr);
+  json["optimization"] = optimized ? OptimizationJson(*optimized) : Json(nullptr);
   return {{"summary", std::move(json)}};
 }
 

@@ -7,11 +7,11 @@
 
 #include <cstdint>
 #include <mutex>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "client/traverses.h"
+#include "files/json.h"
 
 namespace curvereg::cli {
 
@@ -29,8 +29,8 @@ struct StreamAccount {
 // none is: scans are safe on the server whether somebody reads of them or not.
 void PrintScanResult(const ScanResult& result, bool json, StreamAccount& account);
 
-nlohmann::ordered_json StreamSummaryJson(const RemoteTraverse& traverse, const StreamAccount& account,
-                                         const std::optional<OptimizationOutcome>& optimized);
+Json StreamSummaryJson(const RemoteTraverse& traverse, const StreamAccount& account,
+                       const std::optional<OptimizationOutcome>& optimized);
 std::string StreamSummaryText(const RemoteTraverse& traverse, const StreamAccount& account,
                               const std::optional<OptimizationOutcome>& optimized);
 

@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/stream_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <chrono>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -21,6 +18,7 @@
 #include "cli/stream_account.h"
 #include "cli/traverse_arguments.h"
 #include "client/traverses.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -219,32 +217,32 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddStreamCommand(CLI::App& app) {
+Command AddStreamCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("stream", "Stream a folder of scans to a traverse");
-  AddScanSourceOptions(*command, arguments->source);
-  command->add_option("--traverse", arguments->traverse.id, "Name of the traverse; created if it does not exist")
-      ->required()
-      ->type_name("ID");
-  command->add_option("--rate", arguments->rate_hz, "Maximum number of scans per second")
-      ->check(CheckPositive)
-      ->type_name("HZ");
-  command->add_flag("--resume", arguments->resume, "Continue after the scans that the traverse already has");
-  command->add_option("--method", arguments->method, absl::StrCat("Method of a new traverse: ", MethodNames()))
-      ->default_str("curvelet")
-      ->type_name("NAME");
-  command->add_option("--encoding", arguments->encoding, "lossless (compressed) or quantized (smallest)")
-      ->check(CLI::IsMember({"lossless", "quantized"}))
-      ->capture_default_str();
-  command->add_option("--max-error", arguments->max_error_m, "With quantized: maximum error of a point [m]")
-      ->check(CheckPositive)
-      ->capture_default_str();
-  command->add_option("--frame", arguments->frame_id, "Name of the sensor frame, stored with the scans")
-      ->type_name("NAME");
-  command->add_flag("--optimize", arguments->optimize, "At the end search for loop closures and optimise all poses");
-  AddTraverseOptions(*command, arguments->traverse, "Print one JSON object a line and nothing else");
-  command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+  CommandSyntax command = app.AddCommand("stream", "Stream a folder of scans to a traverse");
+  AddScanSourceOptions(command, arguments->source);
+  command.AddOption("--traverse", arguments->traverse.id, "Name of the traverse; created if it does not exist")
+      .Required()
+      .ValueName("ID");
+  command.AddOption("--rate", arguments->rate_hz, "Maximum number of scans per second")
+      .Check(CheckPositive)
+      .ValueName("HZ");
+  command.AddFlag("--resume", arguments->resume, "Continue after the scans that the traverse already has");
+  command.AddOption("--method", arguments->method, absl::StrCat("Method of a new traverse: ", MethodNames()))
+      .ShowDefault("curvelet")
+      .ValueName("NAME");
+  command.AddOption("--encoding", arguments->encoding, "lossless (compressed) or quantized (smallest)")
+      .OneOf({"lossless", "quantized"})
+      .ShowDefault();
+  command.AddOption("--max-error", arguments->max_error_m, "With quantized: maximum error of a point [m]")
+      .Check(CheckPositive)
+      .ShowDefault();
+  command.AddOption("--frame", arguments->frame_id, "Name of the sensor frame, stored with the scans")
+      .ValueName("NAME");
+  command.AddFlag("--optimize", arguments->optimize, "At the end search for loop closures and optimise all poses");
+  AddTraverseOptions(command, arguments->traverse, "Print one JSON object a line and nothing else");
+  command.SetFooter(kNotes);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

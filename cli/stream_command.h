@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_STREAM_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddStreamCommand(CLI::App& app);
+Command AddStreamCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/trajectory_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -14,6 +11,8 @@
 #include "cli/traverse_trajectory.h"
 #include "client/traverses.h"
 #include "files/atomic_file.h"
+#include "files/json.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -37,9 +36,9 @@ Examples:
   curvereg trajectory sol-12 --out sol-12.tum --server ground-station:50051
   curvereg trajectory sol-12 --json --server ground-station:50051)";
 
-nlohmann::ordered_json TrajectoryJson(const RemoteTrajectory& trajectory) {
-  nlohmann::ordered_json json = {{"version", trajectory.version}, {"poses", nlohmann::ordered_json::array()}};
-  for (const TrajectoryPose& pose : trajectory.poses) json["poses"].push_back(PoseJson(pose));
+Json TrajectoryJson(const RemoteTrajectory& trajectory) {
+  Json json = {{"version", trajectory.version}, {"poses", Json::Array()}};
+  for (const TrajectoryPose& pose : trajectory.poses) json["poses"].Append(PoseJson(pose));
   return json;
 }
 
@@ -84,20 +83,16 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddTrajectoryCommand(CLI::App& app) {
+Command AddTrajectoryCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("trajectory", "Export the poses of a traverse");
-  command->add_option("ID", arguments->traverse.id, "The traverse")->required();
-  command->add_option("--format", arguments->format, "tum or kitti")
-      ->check(CLI::IsMember({"tum", "kitti"}))
-      ->capture_default_str();
-  command->add_option("--out", arguments->out, "File to write; default: standard output")->type_name("FILE");
-  command->add_option("--segment", arguments->segment, "Segment to write")
-      ->check(CLI::Range(0, 1 << 30))
-      ->type_name("N");
-  AddTraverseOptions(*command, arguments->traverse, "Print one JSON object: all poses, or with --out what was written");
-  command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+  CommandSyntax command = app.AddCommand("trajectory", "Export the poses of a traverse");
+  command.AddOption("ID", arguments->traverse.id, "The traverse").Required();
+  command.AddOption("--format", arguments->format, "tum or kitti").OneOf({"tum", "kitti"}).ShowDefault();
+  command.AddOption("--out", arguments->out, "File to write; default: standard output").ValueName("FILE");
+  command.AddOption("--segment", arguments->segment, "Segment to write").Within(0, 1 << 30).ValueName("N");
+  AddTraverseOptions(command, arguments->traverse, "Print one JSON object: all poses, or with --out what was written");
+  command.SetFooter(kNotes);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

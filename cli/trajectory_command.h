@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_TRAJECTORY_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddTrajectoryCommand(CLI::App& app);
+Command AddTrajectoryCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

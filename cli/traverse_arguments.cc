@@ -3,21 +3,22 @@
 #include "cli/traverse_arguments.h"
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "files/json.h"
 #include "files/result_json.h"
+#include "program/command_syntax.h"
 #include "wire/resource_names.h"
 
 namespace curvereg::cli {
 
-void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const std::string& json_help) {
-  command.add_flag("--json", arguments.json, json_help);
-  command.add_option("--data-dir", arguments.data_dir, "Without --server: folder that stores traverses and scans")
-      ->envname("CURVEREG_DATA_DIR")
-      ->type_name("DIR")
-      ->capture_default_str();
+void AddTraverseOptions(CommandSyntax command, TraverseArguments& arguments, const std::string& json_help) {
+  command.AddFlag("--json", arguments.json, json_help);
+  command.AddOption("--data-dir", arguments.data_dir, "Without --server: folder that stores traverses and scans")
+      .Environment("CURVEREG_DATA_DIR")
+      .ValueName("DIR")
+      .ShowDefault();
   AddServerOptions(command, arguments.server);
 }
 
@@ -37,7 +38,7 @@ absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, 
   return ServiceAccess::OpenWithData(arguments.server, arguments.data_dir, context);
 }
 
-ExitCode PrintAnswer(const TraverseArguments& arguments, const nlohmann::ordered_json& json, const std::string& text) {
+ExitCode PrintAnswer(const TraverseArguments& arguments, const Json& json, const std::string& text) {
   return PrintResult(arguments.json ? JsonText(json) + "\n" : text);
 }
 

@@ -5,12 +5,12 @@
 #ifndef CURVEREG_CLI_TRAVERSE_ARGUMENTS_H_
 #define CURVEREG_CLI_TRAVERSE_ARGUMENTS_H_
 
-#include <CLI/App.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "cli/service_access.h"
+#include "files/json.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
@@ -22,7 +22,7 @@ struct TraverseArguments {
 };
 
 // Declares --data-dir (CURVEREG_DATA_DIR), --json with `json_help`, and the server's options.
-void AddTraverseOptions(CLI::App& command, TraverseArguments& arguments, const std::string& json_help);
+void AddTraverseOptions(CommandSyntax command, TraverseArguments& arguments, const std::string& json_help);
 
 // `traverses/ID` for ID, or for what is a name already.
 std::string TraverseName(const std::string& id);
@@ -34,7 +34,7 @@ absl::StatusOr<ServiceAccess> OpenTraverses(const TraverseArguments& arguments, 
                                             const CliContext& context);
 
 // The answer of a command: JSON where that was asked for, else the text. As PrintResult.
-ExitCode PrintAnswer(const TraverseArguments& arguments, const nlohmann::ordered_json& json, const std::string& text);
+ExitCode PrintAnswer(const TraverseArguments& arguments, const Json& json, const std::string& text);
 
 }  // namespace curvereg::cli
 

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/traverse_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <variant>
 
@@ -18,6 +15,8 @@
 #include "cli/traverse_text.h"
 #include "cli/traverse_trajectory.h"
 #include "client/traverses.h"
+#include "files/json.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -64,10 +63,10 @@ std::string Description(const RemoteTraverse& traverse) {
 ExitCode List(const Arguments& arguments, TraverseClient& client, const CliContext& context) {
   const absl::StatusOr<std::vector<RemoteTraverse>> traverses = client.List(context.UntilInterrupted());
   if (!traverses.ok()) return ReportError(traverses.status());
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  Json json = Json::Array();
   std::string text;
   for (const RemoteTraverse& traverse : *traverses) {
-    json.push_back(TraverseJson(traverse));
+    json.Append(TraverseJson(traverse));
     text += Line(traverse);
   }
   return PrintAnswer(arguments.traverse, {{"traverses", std::move(json)}}, text);
@@ -153,52 +152,53 @@ ExitCode Report(const Arguments& arguments, TraverseClient& client, const CliCon
                      page + "\n");
 }
 
-ExitCode Run(const CLI::App& command, const Arguments& arguments, const CliContext& context) {
+ExitCode Run(const CommandSyntax& command, const Arguments& arguments, const CliContext& context) {
   absl::StatusOr<ServiceAccess> service = OpenTraverses(arguments.traverse, DataFolder::kIsThere, context);
   if (!service.ok()) return ReportError(service.status());
   TraverseClient& client = service->client().traverses();
-  if (command.got_subcommand("list")) return List(arguments, client, context);
-  if (command.got_subcommand("show")) return Show(arguments, client, context);
-  if (command.got_subcommand("optimize")) return Optimize(arguments, client, context);
-  if (command.got_subcommand("report")) return Report(arguments, client, context);
+  if (command.WasNamed("list")) return List(arguments, client, context);
+  if (command.WasNamed("show")) return Show(arguments, client, context);
+  if (command.WasNamed("optimize")) return Optimize(arguments, client, context);
+  if (command.WasNamed("report")) return Report(arguments, client, context);
   return Delete(arguments, client, context);
 }
 
-CLI::App* AddAction(CLI::App& command, const std::string& name, const std::string& help, Arguments& arguments) {
-  CLI::App* action = command.add_subcommand(name, help);
+CommandSyntax AddAction(CommandSyntax command, const std::string& name, const std::string& help, Arguments& arguments) {
+  CommandSyntax action = command.AddCommand(name, help);
   AddTraverseOptions(*action, arguments.traverse, "Print one JSON object and nothing else");
   return action;
 }
 
-CLI::App* AddActionOnOne(CLI::App& command, const std::string& name, const std::string& help, Arguments& arguments) {
-  CLI::App* action = AddAction(command, name, help, arguments);
-  action->add_option("ID", arguments.traverse.id, "The traverse")->required();
+CommandSyntax AddActionOnOne(CommandSyntax command, const std::string& name, const std::string& help,
+                             Arguments& arguments) {
+  CommandSyntax action = AddAction(command, name, help, arguments);
+  action.AddOption("ID", arguments.traverse.id, "The traverse").Required();
   return action;
 }
 
 }  // namespace
 
-Command AddTraverseCommand(CLI::App& app) {
+Command AddTraverseCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("traverse", "Manage traverses");
-  command->require_subcommand(1);
-  AddAction(*command, "list", "List the traverses, newest first", *arguments);
-  AddActionOnOne(*command, "show", "Show the state of a traverse", *arguments);
-  AddActionOnOne(*command, "optimize", "Search for loop closures and optimise all poses", *arguments)
+  CommandSyntax command = app.AddCommand("traverse", "Manage traverses");
+  command.RequireCommand();
+  AddAction(command, "list", "List the traverses, newest first", *arguments);
+  AddActionOnOne(command, "show", "Show the state of a traverse", *arguments);
+  AddActionOnOne(command, "optimize", "Search for loop closures and optimise all poses", *arguments)
       ->add_flag("--without-loops", arguments->without_loops, "Optimise with the existing links only");
-  AddActionOnOne(*command, "delete", "Delete a traverse, and its scans that no other traverse uses", *arguments);
-  CLI::App* report =
-      AddActionOnOne(*command, "report", "Write trajectory, map, verdicts and an HTML report", *arguments);
-  report->add_option("--out", arguments->out, "Folder for report.html, report.json, figures, trajectories and the map")
-      ->required()
-      ->type_name("DIR");
-  report->add_option("--cell", arguments->cell_m, "Edge of a cell of the map [m]")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str()
-      ->type_name("M");
-  command->footer(kNotes);
-  return {.app = command,
-          .run = [arguments, command](const CliContext& context) { return Run(*command, *arguments, context); }};
+  AddActionOnOne(command, "delete", "Delete a traverse, and its scans that no other traverse uses", *arguments);
+  CommandSyntax report =
+      AddActionOnOne(command, "report", "Write trajectory, map, verdicts and an HTML report", *arguments);
+  report.AddOption("--out", arguments->out, "Folder for report.html, report.json, figures, trajectories and the map")
+      .Required()
+      .ValueName("DIR");
+  report.AddOption("--cell", arguments->cell_m, "Edge of a cell of the map [m]")
+      .Within(0.01, 10.0)
+      .ShowDefault()
+      .ValueName("M");
+  command.SetFooter(kNotes);
+  return {.syntax = command,
+          .run = [arguments, command](const CliContext& context) { return Run(command, *arguments, context); }};
 }
 
 }  // namespace curvereg::cli

@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_TRAVERSE_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddTraverseCommand(CLI::App& app);
+Command AddTraverseCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "absl/strings/ascii.h"
@@ -17,21 +16,20 @@
 #include "eval/report_pictures.h"
 #include "files/atomic_file.h"
 #include "files/cloud_file.h"
+#include "files/json.h"
 #include "files/result_json.h"
 
 namespace curvereg::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
-
-ordered_json ScanJson(const TrajectoryPose& pose, const ScanResult* result) {
-  ordered_json json = PoseJson(pose);
+Json ScanJson(const TrajectoryPose& pose, const ScanResult* result) {
+  Json json = PoseJson(pose);
   const std::optional<Eigen::Matrix3d> covariance = PositionCovariance(pose);
-  json["position_covariance"] = covariance ? MatrixJson(*covariance) : ordered_json(nullptr);
-  json["links"] = ordered_json::array();
+  json["position_covariance"] = covariance ? MatrixJson(*covariance) : Json(nullptr);
+  json["links"] = Json::Array();
   if (result == nullptr) return json;
-  for (const LinkSummary& link : result->links) json["links"].push_back(LinkJson(link));
+  for (const LinkSummary& link : result->links) json["links"].Append(LinkJson(link));
   json["latency_s"] = result->latency_s;
   return json;
 }
@@ -43,17 +41,17 @@ std::map<uint64_t, const ScanResult*> ResultsByNumber(const TraverseRecord& reco
 }
 
 std::string RecordJson(const TraverseRecord& record) {
-  ordered_json json = TraverseJson(record.traverse);
+  Json json = TraverseJson(record.traverse);
   json["version"] = record.trajectory.version;
   json["largest_segment"] = LargestSegment(record.trajectory.poses);
-  json["scans"] = ordered_json::array();
+  json["scans"] = Json::Array();
   const std::map<uint64_t, const ScanResult*> results = ResultsByNumber(record);
   for (const TrajectoryPose& pose : record.trajectory.poses) {
     const auto found = results.find(pose.sequence_number);
-    json["scans"].push_back(ScanJson(pose, found == results.end() ? nullptr : found->second));
+    json["scans"].Append(ScanJson(pose, found == results.end() ? nullptr : found->second));
   }
-  json["later_links"] = ordered_json::array();
-  for (const LinkSummary& link : record.later_links) json["later_links"].push_back(LinkJson(link));
+  json["later_links"] = Json::Array();
+  for (const LinkSummary& link : record.later_links) json["later_links"].Append(LinkJson(link));
   return JsonText(json, 1) + "\n";
 }
 

@@ -3,7 +3,6 @@
 #include "cli/traverse_text.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <variant>
 #include <vector>
 
@@ -12,14 +11,13 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "core/base/small_matrices.h"
+#include "files/json.h"
 #include "files/result_json.h"
 
 namespace curvereg::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
-ordered_json MeasureJson(double value) { return value >= 0.0 ? ordered_json(value) : ordered_json(nullptr); }
+Json MeasureJson(double value) { return value >= 0.0 ? Json(value) : Json(nullptr); }
 
 std::string Measure(double value, int decimals) {
   return value >= 0.0 ? absl::StrFormat("%.*f", decimals, value) : "-";
@@ -29,11 +27,11 @@ std::string TimeText(std::chrono::system_clock::time_point time) {
   return absl::FormatTime(absl::RFC3339_full, absl::FromChrono(time), absl::UTCTimeZone());
 }
 
-ordered_json TransformJson(const RigidTransform& T) { return MatrixJson(T.matrix()); }
+Json TransformJson(const RigidTransform& T) { return MatrixJson(T.matrix()); }
 
-ordered_json LinksJson(const std::vector<LinkSummary>& links) {
-  ordered_json json = ordered_json::array();
-  for (const LinkSummary& link : links) json.push_back(LinkJson(link));
+Json LinksJson(const std::vector<LinkSummary>& links) {
+  Json json = Json::Array();
+  for (const LinkSummary& link : links) json.Append(LinkJson(link));
   return json;
 }
 
@@ -75,22 +73,22 @@ std::string EventText(const LinksFound& found) {
   return text;
 }
 
-ordered_json WhatJson(const ScanResult& result) { return {{"result", ScanResultJson(result)}}; }
+Json WhatJson(const ScanResult& result) { return {{"result", ScanResultJson(result)}}; }
 
-ordered_json WhatJson(const TrajectoryRevision& revision) {
-  ordered_json poses = ordered_json::array();
-  for (const TrajectoryPose& pose : revision.poses) poses.push_back(PoseJson(pose));
+Json WhatJson(const TrajectoryRevision& revision) {
+  Json poses = Json::Array();
+  for (const TrajectoryPose& pose : revision.poses) poses.Append(PoseJson(pose));
   return {{"revision", {{"version", revision.version}, {"poses", std::move(poses)}}}};
 }
 
-ordered_json WhatJson(const SegmentsJoined& joined) {
+Json WhatJson(const SegmentsJoined& joined) {
   return {{"joined",
            {{"segment", joined.segment},
             {"joined_segment", joined.joined_segment},
             {"T_segment_joined", TransformJson(joined.T_segment_joined)}}}};
 }
 
-ordered_json WhatJson(const LinksFound& found) { return {{"links", LinksJson(found.links)}}; }
+Json WhatJson(const LinksFound& found) { return {{"links", LinksJson(found.links)}}; }
 
 }  // namespace
 
@@ -106,39 +104,38 @@ std::string OriginName(PoseOrigin origin) {
   return "unknown";
 }
 
-ordered_json PoseJson(const TrajectoryPose& pose) {
+Json PoseJson(const TrajectoryPose& pose) {
   return {{"sequence_number", pose.sequence_number},
-          {"time_ns", pose.time_ns ? ordered_json(*pose.time_ns) : ordered_json(nullptr)},
+          {"time_ns", pose.time_ns ? Json(*pose.time_ns) : Json(nullptr)},
           {"segment", pose.segment},
           {"origin", OriginName(pose.origin)},
           {"T_segment_scan", TransformJson(pose.T_segment_scan)},
-          {"covariance", pose.covariance ? MatrixJson(*pose.covariance) : ordered_json(nullptr)}};
+          {"covariance", pose.covariance ? MatrixJson(*pose.covariance) : Json(nullptr)}};
 }
 
-ordered_json LinkJson(const LinkSummary& link) {
+Json LinkJson(const LinkSummary& link) {
   return {{"source", link.source},
           {"target", link.target},
           {"loop_closure", link.loop_closure},
           {"accepted", link.accepted},
           {"reasons", ReasonsJson(link.reasons)},
-          {"T_target_source", link.T_target_source ? TransformJson(*link.T_target_source) : ordered_json(nullptr)},
-          {"sigma", link.sigma ? ordered_json(std::vector<double>(link.sigma->begin(), link.sigma->end()))
-                               : ordered_json(nullptr)},
+          {"T_target_source", link.T_target_source ? TransformJson(*link.T_target_source) : Json(nullptr)},
+          {"sigma", link.sigma ? Json(std::vector<double>(link.sigma->begin(), link.sigma->end())) : Json(nullptr)},
           {"overlap", MeasureJson(link.overlap)},
           {"residual_rmse_m", MeasureJson(link.residual_rmse_m)},
           {"runner_up_ratio", MeasureJson(link.runner_up_ratio)},
           {"seconds", link.seconds}};
 }
 
-ordered_json ScanResultJson(const ScanResult& result) {
+Json ScanResultJson(const ScanResult& result) {
   return {{"sequence_number", result.sequence_number},
           {"pose", PoseJson(result.pose)},
           {"links", LinksJson(result.links)},
-          {"result", result.result ? ResultJson(*result.result) : ordered_json(nullptr)},
+          {"result", result.result ? ResultJson(*result.result) : Json(nullptr)},
           {"latency_s", result.latency_s}};
 }
 
-ordered_json TraverseJson(const RemoteTraverse& traverse) {
+Json TraverseJson(const RemoteTraverse& traverse) {
   const RegistrationOptions& registration = traverse.settings.registration;
   return {{"name", traverse.name},
           {"create_time", TimeText(traverse.create_time)},
@@ -153,13 +150,13 @@ ordered_json TraverseJson(const RemoteTraverse& traverse) {
           {"path_length_m", traverse.path_length_m}};
 }
 
-ordered_json EventJson(const TraverseEvent& event) {
-  ordered_json json = {{"event", event.number}, {"time", TimeText(event.time)}};
-  json.update(std::visit([](const auto& what) { return WhatJson(what); }, event.what));
+Json EventJson(const TraverseEvent& event) {
+  Json json = {{"event", event.number}, {"time", TimeText(event.time)}};
+  json.Update(std::visit([](const auto& what) { return WhatJson(what); }, event.what));
   return json;
 }
 
-ordered_json OptimizationJson(const OptimizationOutcome& outcome) {
+Json OptimizationJson(const OptimizationOutcome& outcome) {
   return {{"version", outcome.version},
           {"num_links", outcome.num_links},
           {"num_loop_closures", outcome.num_loop_closures},

@@ -6,24 +6,24 @@
 #define CURVEREG_CLI_TRAVERSE_TEXT_H_
 
 #include <Eigen/Core>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "client/traverse_types.h"
+#include "files/json.h"
 
 namespace curvereg::cli {
 
 // "segment_start", "registered", "prior".
 std::string OriginName(PoseOrigin origin);
 
-nlohmann::ordered_json PoseJson(const TrajectoryPose& pose);
-nlohmann::ordered_json LinkJson(const LinkSummary& link);
-nlohmann::ordered_json ScanResultJson(const ScanResult& result);
-nlohmann::ordered_json TraverseJson(const RemoteTraverse& traverse);
-nlohmann::ordered_json EventJson(const TraverseEvent& event);
+Json PoseJson(const TrajectoryPose& pose);
+Json LinkJson(const LinkSummary& link);
+Json ScanResultJson(const ScanResult& result);
+Json TraverseJson(const RemoteTraverse& traverse);
+Json EventJson(const TraverseEvent& event);
 
-nlohmann::ordered_json OptimizationJson(const OptimizationOutcome& outcome);
+Json OptimizationJson(const OptimizationOutcome& outcome);
 std::string OptimizationText(const OptimizationOutcome& outcome);
 
 // Of the sensor's place in the segment's frame [m^2], to first order; nullopt without a covariance. A perturbation D of

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/watch_command.h"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -13,6 +10,7 @@
 #include "cli/traverse_arguments.h"
 #include "cli/traverse_text.h"
 #include "client/traverses.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 namespace {
@@ -58,17 +56,17 @@ ExitCode Run(const Arguments& arguments, const CliContext& context) {
 
 }  // namespace
 
-Command AddWatchCommand(CLI::App& app) {
+Command AddWatchCommand(CommandSyntax app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("watch", "Show the events of a traverse live");
-  command->add_option("ID", arguments->traverse.id, "The traverse")->required();
-  command->add_flag("--once", arguments->once, "Show the existing events, then end");
-  command->add_option("--from", arguments->first_event, "Number of the first event to show")
-      ->check(CheckNotNegative)
-      ->type_name("N");
-  AddTraverseOptions(*command, arguments->traverse, "Print one JSON object a line and nothing else");
-  command->footer(kNotes);
-  return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
+  CommandSyntax command = app.AddCommand("watch", "Show the events of a traverse live");
+  command.AddOption("ID", arguments->traverse.id, "The traverse").Required();
+  command.AddFlag("--once", arguments->once, "Show the existing events, then end");
+  command.AddOption("--from", arguments->first_event, "Number of the first event to show")
+      .Check(CheckNotNegative)
+      .ValueName("N");
+  AddTraverseOptions(command, arguments->traverse, "Print one JSON object a line and nothing else");
+  command.SetFooter(kNotes);
+  return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};
 }
 
 }  // namespace curvereg::cli

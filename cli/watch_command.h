@@ -6,10 +6,11 @@
 #define CURVEREG_CLI_WATCH_COMMAND_H_
 
 #include "cli/cli_context.h"
+#include "program/command_syntax.h"
 
 namespace curvereg::cli {
 
-Command AddWatchCommand(CLI::App& app);
+Command AddWatchCommand(CommandSyntax app);
 
 }  // namespace curvereg::cli
 

@@ -2,19 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "eval/report_json.h"
 
-#include <nlohmann/json.hpp>
-
+#include "files/json.h"
 #include "files/result_json.h"
 
 namespace curvereg {
 namespace {
 
-using nlohmann::ordered_json;
-
-ordered_json OutcomeJson(const PairOutcome& outcome) {
+Json OutcomeJson(const PairOutcome& outcome) {
   const TransformDifference error = PoseError(outcome);
   const RegistrationResult& result = outcome.result;
-  ordered_json json;
+  Json json;
   json["source"] = outcome.source;
   json["target"] = outcome.target;
   json["accepted"] = result.verdict.accepted;
@@ -23,18 +20,18 @@ ordered_json OutcomeJson(const PairOutcome& outcome) {
   json["rotation_error_rad"] = error.rotation_rad;
   json["seconds"] = outcome.seconds;
   json["strangers"] = !outcome.true_T_target_source.has_value();
-  json["overlap"] = outcome.overlap < 0.0 ? ordered_json() : ordered_json(outcome.overlap);
-  json["error"] = outcome.error.empty() ? ordered_json() : ordered_json(outcome.error);
+  json["overlap"] = outcome.overlap < 0.0 ? Json() : Json(outcome.overlap);
+  json["error"] = outcome.error.empty() ? Json() : Json(outcome.error);
   json["reasons"] = ReasonsJson(result.verdict.reasons);
-  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : ordered_json();
+  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : Json();
   json["evidence"] = EvidenceJson(result.evidence);
   return json;
 }
 
-ordered_json MethodJson(const MethodEvaluation& run) {
+Json MethodJson(const MethodEvaluation& run) {
   const MethodSummary& s = run.summary;
-  ordered_json details = ordered_json::array();
-  for (const PairOutcome& outcome : run.outcomes) details.push_back(OutcomeJson(outcome));
+  Json details = Json::Array();
+  for (const PairOutcome& outcome : run.outcomes) details.Append(OutcomeJson(outcome));
   return {{"method", std::string(MethodName(run.method))},
           {"pairs", s.pairs},
           {"ok", s.ok},
@@ -61,8 +58,8 @@ ordered_json MethodJson(const MethodEvaluation& run) {
 }  // namespace
 
 std::string EvaluationJson(const Evaluation& evaluation, int indent) {
-  ordered_json methods = ordered_json::array();
-  for (const MethodEvaluation& run : evaluation.methods) methods.push_back(MethodJson(run));
+  Json methods = Json::Array();
+  for (const MethodEvaluation& run : evaluation.methods) methods.Append(MethodJson(run));
   return JsonText({{"dataset", evaluation.dataset}, {"methods", std::move(methods)}}, indent);
 }
 

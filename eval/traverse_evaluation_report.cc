@@ -3,7 +3,6 @@
 #include "eval/traverse_evaluation_report.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -13,23 +12,22 @@
 #include "eval/report_html.h"
 #include "eval/report_pictures.h"
 #include "files/atomic_file.h"
+#include "files/json.h"
 #include "files/result_json.h"
 
 namespace curvereg {
 namespace {
 
-using nlohmann::ordered_json;
-
-ordered_json StatisticsJson(const ErrorStatistics& statistics) {
+Json StatisticsJson(const ErrorStatistics& statistics) {
   return {{"rmse", statistics.rmse}, {"mean", statistics.mean}, {"median", statistics.median}, {"max", statistics.max}};
 }
 
-ordered_json ThicknessJson(const SurfaceThickness::Result& thickness) {
+Json ThicknessJson(const SurfaceThickness::Result& thickness) {
   return {{"median_m", thickness.median_m}, {"p90_m", thickness.p90_m}, {"cells", thickness.num_cells}};
 }
 
-ordered_json TrajectoryJson(const MeasuredTrajectory& trajectory) {
-  ordered_json json;
+Json TrajectoryJson(const MeasuredTrajectory& trajectory) {
+  Json json;
   json["segments"] = trajectory.num_segments;
   json["measured_scans"] = trajectory.num_measured;
   if (trajectory.errors) {
@@ -115,7 +113,7 @@ std::vector<std::optional<RigidTransform>> PlacedPoses(const MeasuredTrajectory&
 }  // namespace
 
 std::string TraverseEvaluationJson(const TraverseEvaluation& evaluation, int indent) {
-  ordered_json json;
+  Json json;
   json["dataset"] = evaluation.dataset;
   json["method"] = std::string(MethodName(evaluation.method));
   json["scans"] = evaluation.num_scans;
@@ -129,8 +127,7 @@ std::string TraverseEvaluationJson(const TraverseEvaluation& evaluation, int ind
   json["optimise_s"] = evaluation.optimise_seconds;
   json["tracked"] = TrajectoryJson(evaluation.tracked);
   json["optimised"] = TrajectoryJson(evaluation.optimised);
-  json["true_surface_thickness"] =
-      evaluation.true_thickness ? ThicknessJson(*evaluation.true_thickness) : ordered_json();
+  json["true_surface_thickness"] = evaluation.true_thickness ? ThicknessJson(*evaluation.true_thickness) : Json();
   return JsonText(json, indent);
 }
 

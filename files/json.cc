@@ -79,8 +79,8 @@ void Json::Update(const Json& object) {
   for (const auto& [name, member] : std::get<Members>(object.value_)) (*this)[name] = member;
 }
 
-std::string Json::Text(int indent) const {
-  return ToLibrary(*this).dump(indent, ' ', /*ensure_ascii=*/false, ordered_json::error_handler_t::replace);
+std::string JsonText(const Json& json, int indent) {
+  return ToLibrary(json).dump(indent, ' ', /*ensure_ascii=*/false, ordered_json::error_handler_t::replace);
 }
 
 }  // namespace curvereg

@@ -56,12 +56,12 @@ class Json {
 
   const Value& value() const { return value_; }
 
-  // On one line, or indented by that many spaces. Bytes that are not UTF-8 become U+FFFD.
-  std::string Text(int indent = -1) const;
-
  private:
   Value value_;
 };
+
+// On one line, or indented by that many spaces. Bytes that are not UTF-8 become U+FFFD.
+std::string JsonText(const Json& json, int indent = -1);
 
 }  // namespace curvereg
 

@@ -1,49 +1,42 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 #include "files/result_json.h"
-
-#include <nlohmann/json.hpp>
+#include "files/json.h"
 
 namespace curvereg {
 namespace {
 
-using nlohmann::ordered_json;
-
 // -1 says that the method does not compute the measure.
-ordered_json MeasureJson(double value) { return value == -1.0 ? ordered_json() : ordered_json(value); }
+Json MeasureJson(double value) { return value == -1.0 ? Json() : Json(value); }
 
-ordered_json DegenerateDirectionsJson(const std::vector<DegenerateDirection>& directions) {
-  ordered_json json = ordered_json::array();
+Json DegenerateDirectionsJson(const std::vector<DegenerateDirection>& directions) {
+  Json json = Json::Array();
   for (const DegenerateDirection& d : directions) {
     const Vector6d& v = d.direction;
-    json.push_back({{"rotation", {v[0], v[1], v[2]}}, {"translation", {v[3], v[4], v[5]}}, {"sigma", d.sigma}});
+    json.Append({{"rotation", {v[0], v[1], v[2]}}, {"translation", {v[3], v[4], v[5]}}, {"sigma", d.sigma}});
   }
   return json;
 }
 
 }  // namespace
 
-std::string JsonText(const ordered_json& json, int indent) {
-  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
-}
-
-ordered_json MatrixJson(const Eigen::MatrixXd& matrix) {
-  ordered_json rows = ordered_json::array();
+Json MatrixJson(const Eigen::MatrixXd& matrix) {
+  Json rows = Json::Array();
   for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-    ordered_json row = ordered_json::array();
-    for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
-    rows.push_back(std::move(row));
+    Json row = Json::Array();
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.Append(matrix(r, c));
+    rows.Append(std::move(row));
   }
   return rows;
 }
 
-ordered_json ReasonsJson(const std::vector<Reason>& reasons) {
-  ordered_json names = ordered_json::array();
-  for (const Reason reason : reasons) names.push_back(std::string(ReasonName(reason)));
+Json ReasonsJson(const std::vector<Reason>& reasons) {
+  Json names = Json::Array();
+  for (const Reason reason : reasons) names.Append(std::string(ReasonName(reason)));
   return names;
 }
 
-ordered_json EvidenceJson(const Evidence& evidence) {
+Json EvidenceJson(const Evidence& evidence) {
   return {{"num_source_points", evidence.num_source_points},
           {"num_target_points", evidence.num_target_points},
           {"num_source_keypoints", evidence.num_source_keypoints},
@@ -63,14 +56,14 @@ ordered_json EvidenceJson(const Evidence& evidence) {
           {"runner_up_ratio", MeasureJson(evidence.runner_up_ratio)}};
 }
 
-ordered_json ResultJson(const RegistrationResult& result) {
-  ordered_json stages = ordered_json::array();
-  for (const StageTime& time : result.stage_times) stages.push_back({{"stage", time.stage}, {"seconds", time.seconds}});
-  ordered_json json;
+Json ResultJson(const RegistrationResult& result) {
+  Json stages = Json::Array();
+  for (const StageTime& time : result.stage_times) stages.Append({{"stage", time.stage}, {"seconds", time.seconds}});
+  Json json;
   json["accepted"] = result.verdict.accepted;
   json["reasons"] = ReasonsJson(result.verdict.reasons);
-  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : ordered_json();
-  json["covariance"] = result.has_covariance ? MatrixJson(result.covariance) : ordered_json();
+  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : Json();
+  json["covariance"] = result.has_covariance ? MatrixJson(result.covariance) : Json();
   json["degenerate_directions"] = DegenerateDirectionsJson(result.degenerate_directions);
   json["evidence"] = EvidenceJson(result.evidence);
   json["stage_times"] = std::move(stages);

@@ -7,25 +7,22 @@
 #define CURVEREG_FILES_RESULT_JSON_H_
 
 #include <Eigen/Core>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "core/methods/registration_result.h"
+#include "files/json.h"
 
 namespace curvereg {
 
-// One text, without line breaks when `indent` is negative. Bytes that are no UTF-8 (file names) become U+FFFD.
-std::string JsonText(const nlohmann::ordered_json& json, int indent = -1);
-
 // The matrix as an array of rows.
-nlohmann::ordered_json MatrixJson(const Eigen::MatrixXd& matrix);
+Json MatrixJson(const Eigen::MatrixXd& matrix);
 
-nlohmann::ordered_json ReasonsJson(const std::vector<Reason>& reasons);
-nlohmann::ordered_json EvidenceJson(const Evidence& evidence);
+Json ReasonsJson(const std::vector<Reason>& reasons);
+Json EvidenceJson(const Evidence& evidence);
 
 // Everything in the result. The transform is null without a pose, the covariance without one.
-nlohmann::ordered_json ResultJson(const RegistrationResult& result);
+Json ResultJson(const RegistrationResult& result);
 
 }  // namespace curvereg
 

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // One ^C ends every command that waits for a server.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <chrono>
 #include <fstream>
 #include <stop_token>
