@@ -26,7 +26,7 @@ add_library(curvereg_flann INTERFACE)
 target_include_directories(curvereg_flann SYSTEM INTERFACE "${FLANN_INCLUDE_DIR}")
 target_link_libraries(curvereg_flann INTERFACE PkgConfig::LZ4)
 # OpenCV's core and imgproc. Found by hand: Debian's OpenCVConfig.cmake comes with all modules and asks for all of them.
-# Linked from their archives: the shared libopencv_core loads libGLX, whose package brings Mesa and LLVM, 170 MB of them
+# Linked from their archives: the shared libopencv_core loads libGLX, whose package brings Mesa and LLVM, more than 200 MB
 # (docs/adr/2026-11-30-opencv.md). --gc-sections leaves out what no program calls; sanitizers and fuzzers keep sections
 # of their own that it would drop.
 find_path(OPENCV_INCLUDE_DIR opencv2/imgproc.hpp PATH_SUFFIXES opencv4 REQUIRED)

@@ -13,7 +13,7 @@ set -euo pipefail
 export PATH=$PATH:/usr/sbin:/sbin
 curvereg=$1
 store=$2
-max_image_bytes=150000000
+max_image_bytes=160000000
 
 skip() {
   echo "SKIPPED: the container image was not tested: $*" >&2
