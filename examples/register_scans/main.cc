@@ -5,12 +5,12 @@
 //
 // Asks a server for the transform that lays the scan in file SOURCE on the one in TARGET, and prints it as
 // "x y z qx qy qz qw" [m; unit quaternion]. Exit status: 0 accepted, 3 rejected, 2 usage, 1 anything else.
+#include <curvereg/client.h>
+#include <curvereg/files/cloud_file.h>
+
 #include <Eigen/Geometry>
 #include <cstdio>
 #include <functional>
-
-#include "client/client.h"
-#include "files/cloud_file.h"
 
 namespace {
 
