@@ -13,7 +13,7 @@
 #include "core/curvelet/scale_bands.h"
 #include "core/features/descriptors.h"
 #include "core/features/keypoints.h"
-#include "core/pose/consensus.h"
+#include "core/features/planar_feature.h"
 #include "core/views/scan_image.h"
 
 namespace curvereg {

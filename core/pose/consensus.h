@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/features/matching.h"
+#include "core/features/planar_feature.h"
 
 namespace curvereg {
 
@@ -22,12 +23,6 @@ struct ConsensusOptions {
   int min_inliers = 3;
   double distinct_m = 1.0;  // hypotheses nearer than this and distinct_rad are one
   double distinct_rad = 0.1;
-};
-
-// A feature on the levelled ground plane.
-struct PlanarFeature {
-  Eigen::Vector2d position;  // levelled frame [m]
-  double orientation_rad = 0.0;
 };
 
 struct PlanarHypothesis {
