@@ -21,6 +21,7 @@
 #include "cli/stream_account.h"
 #include "cli/traverse_arguments.h"
 #include "client/traverses.h"
+#include "core/methods/registration_names.h"
 
 namespace curvereg::cli {
 namespace {

@@ -18,6 +18,7 @@
 #include "cli/traverse_text.h"
 #include "cli/traverse_trajectory.h"
 #include "client/traverses.h"
+#include "core/methods/registration_names.h"
 
 namespace curvereg::cli {
 namespace {

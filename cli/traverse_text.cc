@@ -12,6 +12,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
+#include "core/methods/registration_names.h"
 #include "files/result_json.h"
 
 namespace curvereg::cli {

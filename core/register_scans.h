@@ -13,6 +13,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/methods/prepared_scan.h"
+#include "core/methods/registration_names.h"
 #include "core/methods/registration_options.h"
 #include "core/methods/registration_result.h"
 #include "core/scan/scan.h"

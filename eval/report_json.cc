@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/methods/registration_names.h"
 #include "files/result_json.h"
 
 namespace curvereg {

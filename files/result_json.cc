@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/methods/registration_names.h"
+
 namespace curvereg {
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The evidence of a result, which conversion.h carries along.
+// The evidence of a result, which result_conversion.h carries along.
 #ifndef CURVEREG_WIRE_EVIDENCE_CONVERSION_H_
 #define CURVEREG_WIRE_EVIDENCE_CONVERSION_H_
 

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "wire/result_conversion.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,10 +13,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "wire/conversion.h"
 #include "wire/duration.h"
 #include "wire/error.h"
 #include "wire/evidence_conversion.h"
+#include "wire/geometry_conversion.h"
 
 namespace curvereg::wire {
 namespace {

@@ -5,6 +5,7 @@
 #ifdef CURVEREG_HAS_BASELINES
 #include "core/baselines/fpfh_sac_ia.h"
 #include "core/baselines/harris3d_fpfh.h"
+#include "core/methods/registration_names.h"
 #include "core/methods/stage_timer.h"
 #endif
 

@@ -8,8 +8,6 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <span>
-#include <string_view>
 
 #include "core/base/rigid_transform.h"
 #include "core/base/stop.h"
@@ -24,10 +22,6 @@ enum class Method {
   kHarris3dFpfh,  // "harris3d-fpfh": the paper's second rival
   kIcp,           // "icp": refinement alone, from the prior (identity when none is given)
 };
-
-std::span<const Method> AllMethods();
-std::string_view MethodName(Method method);
-std::optional<Method> MethodFromName(std::string_view name);
 
 // A guess of the transform from odometry or an IMU.
 struct Prior {

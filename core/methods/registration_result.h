@@ -7,7 +7,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/rigid_transform.h"
@@ -27,9 +26,6 @@ enum class Reason {
   kDegenerateDirection,  // the scans leave a direction of the pose undetermined
   kDeadline,             // time ran out; the pose is the best so far
 };
-
-// Lower-case name with underscores, e.g. "overlap_too_low".
-std::string_view ReasonName(Reason reason);
 
 struct Verdict {
   bool accepted = false;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/methods/registration_names.h"
 #include "core/register_scans.h"
 #include "server/operations/metric_children.h"
 #include "server/operations/process_statistics.h"

@@ -14,9 +14,9 @@
 #include "tests/client/scripted_server.h"
 #include "tests/testing/scenes.h"
 #include "tests/testing/silent_server.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg {
 namespace {

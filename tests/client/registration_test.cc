@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/client/scripted_server.h"
-#include "wire/conversion.h"
 #include "wire/duration.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg {
 namespace {

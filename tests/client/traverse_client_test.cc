@@ -15,7 +15,7 @@
 #include "tests/client/fake_traverse_server.h"
 #include "tests/client/scripted_server.h"
 #include "tests/testing/scenes.h"
-#include "wire/conversion.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg {
 namespace {

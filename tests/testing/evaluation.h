@@ -14,6 +14,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/parallel.h"
+#include "core/methods/registration_names.h"
 #include "core/register_scans.h"
 #include "eval/metrics.h"
 

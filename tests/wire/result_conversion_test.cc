@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-//
-// Results and summaries; the other half of wire/conversion.h is tested by conversion_test.cc.
+#include "wire/result_conversion.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <limits>
 #include <string>
 
+#include "core/methods/registration_names.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/result_bytes.h"
 #include "tests/wire/conversion_samples.h"
-#include "wire/conversion.h"
 
 namespace curvereg::wire {
 namespace {

@@ -11,7 +11,9 @@
 #include "core/base/parallel.h"
 #include "tests/server/registration/registration_server.h"
 #include "tests/testing/matchers.h"
-#include "wire/conversion.h"
+#include "wire/geometry_conversion.h"
+#include "wire/options_conversion.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg::server {
 namespace {
