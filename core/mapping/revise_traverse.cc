@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/revise_traverse.h"
+
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -9,7 +11,6 @@
 #include "core/mapping/pose_graph_start.h"
 #include "core/mapping/pose_uncertainty.h"
 #include "core/mapping/segment_joins.h"
-#include "core/mapping/tracking.h"
 
 namespace curvereg {
 namespace {

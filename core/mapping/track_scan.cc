@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/track_scan.h"
+
 #include <algorithm>
 #include <utility>
 
 #include "core/mapping/link_registration.h"
 #include "core/mapping/pose_uncertainty.h"
-#include "core/mapping/tracking.h"
 
 namespace curvereg {
 namespace {

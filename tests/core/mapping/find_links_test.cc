@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/mapping/tracking.h"
+#include "core/mapping/find_links.h"
+#include "core/mapping/traverse_changes.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/traverses.h"
 

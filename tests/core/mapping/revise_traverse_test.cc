@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "core/mapping/pose_uncertainty.h"
-#include "core/mapping/tracking.h"
+#include "core/mapping/revise_traverse.h"
+#include "core/mapping/traverse_changes.h"
 #include "sim/random.h"
 #include "tests/testing/matchers.h"
 

@@ -5,7 +5,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/mapping/tracking.h"
+#include "core/mapping/track_scan.h"
+#include "core/mapping/traverse_changes.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/traverses.h"
 
