@@ -3,6 +3,7 @@
 #include "cli/result_text.h"
 
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -23,8 +24,8 @@ std::string VerdictText(const Verdict& verdict) {
 }
 
 std::string TransformText(const RegistrationResult& result) {
-  if (!result.has_pose) return "transform    none\n";
-  const RigidTransform& T = result.T_target_source;
+  if (!result.T_target_source.has_value()) return "transform    none\n";
+  const RigidTransform& T = *result.T_target_source;
   std::string text = "T_target_source (maps source coordinates to target coordinates, metres)\n";
   for (int row = 0; row < 4; ++row) {
     absl::StrAppendFormat(&text, "  %12.9f %12.9f %12.9f %14.9f\n", T(row, 0), T(row, 1), T(row, 2), T(row, 3));
@@ -36,8 +37,8 @@ std::string TransformText(const RegistrationResult& result) {
 
 std::string UncertaintyText(const RegistrationResult& result) {
   std::string text;
-  if (result.has_covariance) {
-    const Vector6d sigma = result.covariance.diagonal().cwiseSqrt();
+  if (result.covariance.has_value()) {
+    const Vector6d sigma = result.covariance->diagonal().cwiseSqrt();
     absl::StrAppendFormat(
         &text, "sigma        rotation %.2g %.2g %.2g rad, translation %.2g %.2g %.2g m (x y z, target frame)\n",
         sigma[0], sigma[1], sigma[2], sigma[3], sigma[4], sigma[5]);
@@ -51,9 +52,9 @@ std::string UncertaintyText(const RegistrationResult& result) {
 }
 
 // One line of evidence; nothing where the method does not compute the measure.
-void AppendMeasure(const char* name, double value, const char* unit, std::string& text) {
-  if (value == -1.0) return;
-  absl::StrAppendFormat(&text, "  %-22s %.4g%s\n", name, value, unit);
+void AppendMeasure(const char* name, const std::optional<double>& value, const char* unit, std::string& text) {
+  if (!value.has_value()) return;
+  absl::StrAppendFormat(&text, "  %-22s %.4g%s\n", name, *value, unit);
 }
 
 std::string EvidenceText(const Evidence& e) {

@@ -20,8 +20,8 @@ void CountVerdict(const PairOutcome& outcome, bool ok, MethodSummary& summary) {
 }  // namespace
 
 TransformDifference PoseError(const PairOutcome& outcome) {
-  if (!outcome.result.has_pose || !outcome.true_T_target_source) return {kUnknown, kUnknown};
-  return Difference(*outcome.true_T_target_source, outcome.result.T_target_source);
+  if (!outcome.result.T_target_source || !outcome.true_T_target_source) return {kUnknown, kUnknown};
+  return Difference(*outcome.true_T_target_source, *outcome.result.T_target_source);
 }
 
 bool IsOk(const PairOutcome& outcome, const SuccessBounds& bounds) {
@@ -41,7 +41,7 @@ MethodSummary Summarise(std::span<const PairOutcome> outcomes, const SuccessBoun
       continue;
     }
     ++summary.pairs;
-    summary.no_pose += !outcome.result.has_pose;
+    summary.no_pose += !outcome.result.T_target_source.has_value();
     const TransformDifference error = PoseError(outcome);
     translations.push_back(error.translation_m);
     rotations.push_back(error.rotation_rad);

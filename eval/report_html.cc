@@ -69,7 +69,7 @@ std::string Judgement(const PairOutcome& outcome) {
   if (outcome.result.verdict.accepted) return ok ? "right" : "accepted wrong";
   if (ok) return "rejected right";
   if (!outcome.true_T_target_source) return "strangers rejected";
-  return outcome.result.has_pose ? "rejected wrong" : "no pose";
+  return outcome.result.T_target_source.has_value() ? "rejected wrong" : "no pose";
 }
 
 std::string Reasons(const PairOutcome& outcome) {

@@ -27,7 +27,7 @@ ordered_json OutcomeJson(const PairOutcome& outcome) {
   json["overlap"] = outcome.overlap < 0.0 ? ordered_json() : ordered_json(outcome.overlap);
   json["error"] = outcome.error.empty() ? ordered_json() : ordered_json(outcome.error);
   json["reasons"] = ReasonsJson(result.verdict.reasons);
-  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : ordered_json();
+  json["T_target_source"] = result.T_target_source ? MatrixJson(result.T_target_source->matrix()) : ordered_json();
   json["evidence"] = EvidenceJson(result.evidence);
   return json;
 }

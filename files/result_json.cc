@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 #include "core/methods/registration_names.h"
 
 namespace curvereg {
@@ -11,8 +13,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// -1 says that the method does not compute the measure.
-ordered_json MeasureJson(double value) { return value == -1.0 ? ordered_json() : ordered_json(value); }
+// Null: the method does not compute the measure.
+ordered_json MeasureJson(const std::optional<double>& value) { return value ? ordered_json(*value) : ordered_json(); }
 
 ordered_json DegenerateDirectionsJson(const std::vector<DegenerateDirection>& directions) {
   ordered_json json = ordered_json::array();
@@ -71,8 +73,8 @@ ordered_json ResultJson(const RegistrationResult& result) {
   ordered_json json;
   json["accepted"] = result.verdict.accepted;
   json["reasons"] = ReasonsJson(result.verdict.reasons);
-  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : ordered_json();
-  json["covariance"] = result.has_covariance ? MatrixJson(result.covariance) : ordered_json();
+  json["T_target_source"] = result.T_target_source ? MatrixJson(result.T_target_source->matrix()) : ordered_json();
+  json["covariance"] = result.covariance ? MatrixJson(*result.covariance) : ordered_json();
   json["degenerate_directions"] = DegenerateDirectionsJson(result.degenerate_directions);
   json["evidence"] = EvidenceJson(result.evidence);
   json["stage_times"] = std::move(stages);

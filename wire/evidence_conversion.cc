@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "wire/error.h"
 
@@ -24,7 +25,7 @@ struct Count {
 };
 struct Measure {
   const char* name;
-  double Evidence::*member;
+  std::optional<double> Evidence::*member;
   bool (v1::Evidence::*has)() const;
   double (v1::Evidence::*get)() const;
   void (v1::Evidence::*set)(double);
@@ -67,8 +68,6 @@ constexpr std::array<Measure, 9> kMeasures = {
      {"runner_up_ratio", &Ours::runner_up_ratio, &Wire::has_runner_up_ratio, &Wire::runner_up_ratio,
       &Wire::set_runner_up_ratio, 0.0, kInfinity}}};
 
-constexpr double kNotComputed = -1.0;
-
 }  // namespace
 
 v1::Evidence ToWire(const Evidence& evidence) {
@@ -79,8 +78,8 @@ v1::Evidence ToWire(const Evidence& evidence) {
     (message.*count.set)(static_cast<uint32_t>(std::max(evidence.*count.member, 0)));
   }
   for (const Measure& measure : kMeasures) {
-    const double value = evidence.*measure.member;
-    if (value != kNotComputed && !std::isnan(value)) (message.*measure.set)(value);
+    const std::optional<double>& value = evidence.*measure.member;
+    if (value.has_value() && !std::isnan(*value)) (message.*measure.set)(*value);
   }
   return message;
 }

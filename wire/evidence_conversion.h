@@ -11,7 +11,7 @@
 
 namespace curvereg::wire {
 
-// Measures that were not computed (-1), and any that are not a number, are absent.
+// Measures that were not computed, and any that are not a number, are absent.
 v1::Evidence ToWire(const Evidence& evidence);
 
 // INVALID_FIELD: a count that no scan can have, a measure outside its range.

@@ -33,7 +33,7 @@ TraverseGraph MakeGraph(const Traverse& traverse, const SegmentPlaces& places, c
     if (!link.result.verdict.accepted || excluded_links.contains(i)) continue;
     if (root_of(link.source) != root_of(link.target)) continue;
     made.graph.edges.push_back({static_cast<int>(link.source), static_cast<int>(link.target),
-                                link.result.T_target_source, LinkCovariance(link.result, options)});
+                                *link.result.T_target_source, LinkCovariance(link.result, options)});
     made.link_of_edge.push_back(i);
   }
   // Wheels slip: what odometry says may be wrong as well. Where it is all there is, it is believed nevertheless.

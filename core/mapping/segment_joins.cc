@@ -26,7 +26,7 @@ std::vector<Connection> ConnectionsOf(const Traverse& traverse, const std::set<s
     const TrajectoryPose& source = traverse.poses[link.source];
     const TrajectoryPose& target = traverse.poses[link.target];
     const RigidTransform T_target_source =
-        target.T_segment_scan * link.result.T_target_source * source.T_segment_scan.inverse();
+        target.T_segment_scan * *link.result.T_target_source * source.T_segment_scan.inverse();
     if (target.segment < source.segment) {
       connections.push_back({target.segment, source.segment, T_target_source, source.T_segment_scan.translation()});
     } else {

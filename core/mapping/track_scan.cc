@@ -95,7 +95,7 @@ class ScanTracker {
     const RegistrationResult& result = link->result;
     const bool is_accepted = result.verdict.accepted;
     if (is_accepted) {
-      Place(target, {result.T_target_source, LinkCovariance(result, options_.pose_graph)}, PoseOrigin::kRegistered,
+      Place(target, {*result.T_target_source, LinkCovariance(result, options_.pose_graph)}, PoseOrigin::kRegistered,
             tracked_.pose);
       tracked_.deciding_link = static_cast<int>(tracked_.links.size());
     }

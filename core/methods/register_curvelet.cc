@@ -72,7 +72,7 @@ class CurveletRegistration {
     }
     if (stop_.Cancelled()) return absl::CancelledError("registration was cancelled");
     std::vector<Reason>& reasons = result_.verdict.reasons;
-    if (!result_.has_pose && stop_.PastDeadline()) reasons.clear();
+    if (!result_.T_target_source.has_value() && stop_.PastDeadline()) reasons.clear();
     const bool is_marked = std::find(reasons.begin(), reasons.end(), Reason::kDeadline) != reasons.end();
     if (!result_.verdict.accepted && !is_marked && stop_.PastDeadline()) reasons.push_back(Reason::kDeadline);
     result_.stage_times = timer_.Take();
@@ -183,7 +183,7 @@ class CurveletRegistration {
   // Refines the best candidates to the end, until one is sure, and judges the surest.
   void Decide() {
     constexpr size_t kMaxFinalists = 3;
-    if (pool_.empty() && !result_.has_pose) result_.verdict.reasons = {Reason::kNoConsensus};
+    if (pool_.empty() && !result_.T_target_source.has_value()) result_.verdict.reasons = {Reason::kNoConsensus};
     std::vector<Candidate> finalists;
     for (const Candidate& candidate : pool_) {
       const auto is_same = [&](const Candidate& other) { return !IsOtherPose(candidate, other); };

@@ -137,11 +137,10 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
 void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evidence, RegistrationResult& result) {
   const VerdictOptions options;
   result.T_target_source = T_target_source;
-  result.has_pose = true;
   result.degenerate_directions = FindDegenerateDirections(evidence.fit, options.min_information_z);
   result.verdict = DecideVerdict(evidence, result.degenerate_directions, options);
-  result.covariance = PoseCovariance(evidence.fit);
-  result.has_covariance = evidence.fit.num_pairs >= kMinElementPairs;
+  result.covariance.reset();
+  if (evidence.fit.num_pairs >= kMinElementPairs) result.covariance = PoseCovariance(evidence.fit);
   Evidence& measures = result.evidence;
   measures.num_inliers = evidence.num_inliers;
   measures.num_matches = evidence.num_matches;
@@ -151,7 +150,7 @@ void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evide
   measures.image_correlation = evidence.image_correlation;
   measures.inlier_fraction = evidence.fit.inlier_fraction;
   measures.runner_up_ratio = evidence.runner_up_ratio;
-  if (!result.has_covariance) return;  // without common surface there is no residual
+  if (!result.covariance.has_value()) return;  // without common surface there is no residual
   measures.residual_rmse_m = evidence.fit.residual_rms_m;
   measures.residual_median_m = evidence.fit.residual_median_m;
   measures.residual_p90_m = evidence.fit.residual_p90_m;

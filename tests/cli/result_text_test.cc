@@ -24,9 +24,7 @@ TEST(RegistrationText, ARejectionShowsNoTransformItDoesNotHave) {
 
 TEST(RegistrationText, ShowsPoseSigmaAndDegeneracy) {
   RegistrationResult result;
-  result.has_pose = true;
   result.T_target_source = Eigen::Translation3d(3.0, 4.0, 0.0) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ());
-  result.has_covariance = true;
   result.covariance = Matrix6d::Identity() * 1e-4;
   result.verdict = {.accepted = true, .reasons = {}};
   result.degenerate_directions.push_back(

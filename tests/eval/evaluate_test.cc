@@ -48,7 +48,6 @@ class EvaluateTest : public ::testing::Test {
     seen_.push_back(options.method);
     if (target.points.size() == 12) return absl::InvalidArgumentError("flat");
     RegistrationResult result;
-    result.has_pose = true;
     result.T_target_source = Eigen::Translation3d(1.0, 0.0, 0.0);
     result.verdict = {.accepted = source.points.size() == 11, .reasons = {}};
     return result;

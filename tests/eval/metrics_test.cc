@@ -14,7 +14,6 @@ namespace {
 PairOutcome Answer(double metres, double radians, bool accepted) {
   PairOutcome outcome;
   outcome.true_T_target_source = TransformFromVector((Vector6d() << 0.1, -0.2, 0.3, 4.0, 5.0, 6.0).finished());
-  outcome.result.has_pose = true;
   outcome.result.T_target_source = Eigen::Translation3d(metres, 0.0, 0.0) * *outcome.true_T_target_source *
                                    Eigen::AngleAxisd(radians, Eigen::Vector3d::UnitZ());
   outcome.result.verdict.accepted = accepted;

@@ -31,7 +31,6 @@ PairOutcome Outcome(int source, double error_m, bool accepted) {
   outcome.source = std::to_string(source);
   outcome.target = std::to_string(source - 1);
   outcome.true_T_target_source = Eigen::Translation3d(1.0, 0.0, 0.0);
-  outcome.result.has_pose = true;
   outcome.result.T_target_source = Eigen::Translation3d(1.0, error_m, 0.0);
   outcome.result.verdict = {.accepted = accepted, .reasons = {}};
   if (!accepted) outcome.result.verdict.reasons = {Reason::kOverlapTooLow};

@@ -109,7 +109,7 @@ TEST(SeedTest, ThePapersAnswerDependsOnTheSeed) {
     const auto result = RegisterScans(pair.source, pair.target, options);
     ASSERT_THAT(result, IsOk());
     testing::ByteLog log;
-    log.Add(result->T_target_source.data(), 16);
+    log.Add(result->T_target_source.value_or(RigidTransform::Identity()).data(), 16);
     poses.insert(log.bytes());
   }
   EXPECT_GT(poses.size(), 1U);

@@ -67,12 +67,13 @@ inline std::string Describe(const PairOutcome& outcome) {
   const TransformDifference error = PoseError(outcome);
   std::string verdict = result.verdict.accepted ? "accepted" : "rejected";
   for (const Reason reason : result.verdict.reasons) verdict.append(" ").append(ReasonName(reason));
+  const auto value = [](const std::optional<double>& measure) { return measure.value_or(-1.0); };
   return absl::StrFormat(
       "%s -> %s %s: off by %.3f m, %.4f rad; overlap %.2f %.2f, free space %.3f, correlation %.2f, inliers %.2f, "
       "runner-up %.2f, attempts %d %s",
-      outcome.source, outcome.target, verdict, error.translation_m, error.rotation_rad, evidence.overlap_source,
-      evidence.overlap_target, evidence.free_space_agreement, evidence.image_correlation, evidence.inlier_fraction,
-      evidence.runner_up_ratio, evidence.num_attempts, outcome.error);
+      outcome.source, outcome.target, verdict, error.translation_m, error.rotation_rad, value(evidence.overlap_source),
+      value(evidence.overlap_target), value(evidence.free_space_agreement), value(evidence.image_correlation),
+      value(evidence.inlier_fraction), value(evidence.runner_up_ratio), evidence.num_attempts, outcome.error);
 }
 
 // Names every pair that is not both ok and accepted, and every stranger that is accepted.

@@ -58,7 +58,7 @@ TEST(RegisterCurveletTest, BothWaysAreInverse) {
   const auto backward = RegisterCurvelet(Target(), Source(), {}, {});
   ASSERT_THAT(backward, IsOk());
   EXPECT_TRUE(backward->verdict.accepted);
-  EXPECT_THAT(backward->T_target_source, IsNear(forward->T_target_source.inverse(), 0.01, 0.001));
+  EXPECT_THAT(backward->T_target_source, IsNear(forward->T_target_source->inverse(), 0.01, 0.001));
 }
 
 TEST(RegisterCurveletTest, APriorWithoutCovarianceIsOneMoreHypothesis) {
@@ -86,7 +86,7 @@ TEST(RegisterCurveletTest, PosesBeyondFiveSigmaOfThePriorAreNotConsidered) {
   const auto far = RegisterCurvelet(Source(), Target(), options, {});
   ASSERT_THAT(far, IsOk());
   EXPECT_FALSE(far->verdict.accepted);
-  if (far->has_pose) {
+  if (far->T_target_source.has_value()) {
     EXPECT_THAT(far->T_target_source, Not(IsNear(Truth(), 2.0, 3.2)));
   }
 }
