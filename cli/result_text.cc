@@ -108,9 +108,8 @@ std::string EvaluationText(const Evaluation& evaluation) {
                           s.rejected_right, s.no_pose, NumberText(s.rmse_translation_m),
                           NumberText(s.rmse_rotation_rad), NumberText(s.rmse_ok_translation_m),
                           NumberText(s.rmse_ok_rotation_rad), NumberText(s.median_s), NumberText(s.p95_s));
-    if (s.strangers > 0) {
-      absl::StrAppendFormat(&text, "%-13s %d of %d pairs of strangers accepted\n", "", s.strangers_accepted,
-                            s.strangers);
+    if (s.negatives > 0) {
+      absl::StrAppendFormat(&text, "%-13s %d of %d negative pairs accepted\n", "", s.negatives_accepted, s.negatives);
     }
     if (s.failed_calls > 0) absl::StrAppendFormat(&text, "%-13s %d calls failed\n", "", s.failed_calls);
   }

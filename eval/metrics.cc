@@ -7,7 +7,7 @@
 namespace curvereg {
 namespace {
 
-// Counts that pairs and strangers share.
+// Counts that pairs and negatives share.
 void CountVerdict(const PairOutcome& outcome, bool ok, MethodSummary& summary) {
   const bool accepted = outcome.result.verdict.accepted;
   summary.ok += ok;
@@ -36,8 +36,8 @@ MethodSummary Summarise(std::span<const PairOutcome> outcomes, const SuccessBoun
     const bool ok = IsOk(outcome, bounds);
     CountVerdict(outcome, ok, summary);
     if (!outcome.true_T_target_source) {
-      ++summary.strangers;
-      summary.strangers_accepted += outcome.result.verdict.accepted;
+      ++summary.negatives;
+      summary.negatives_accepted += outcome.result.verdict.accepted;
       continue;
     }
     ++summary.pairs;

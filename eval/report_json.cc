@@ -23,7 +23,7 @@ ordered_json OutcomeJson(const PairOutcome& outcome) {
   json["translation_error_m"] = error.translation_m;
   json["rotation_error_rad"] = error.rotation_rad;
   json["seconds"] = outcome.seconds;
-  json["strangers"] = !outcome.true_T_target_source.has_value();
+  json["negative"] = !outcome.true_T_target_source.has_value();
   json["overlap"] = outcome.overlap < 0.0 ? ordered_json() : ordered_json(outcome.overlap);
   json["error"] = outcome.error.empty() ? ordered_json() : ordered_json(outcome.error);
   json["reasons"] = ReasonsJson(result.verdict.reasons);
@@ -44,8 +44,8 @@ ordered_json MethodJson(const MethodEvaluation& run) {
           {"rejected_right", s.rejected_right},
           {"no_pose", s.no_pose},
           {"failed_calls", s.failed_calls},
-          {"strangers", s.strangers},
-          {"strangers_accepted", s.strangers_accepted},
+          {"negatives", s.negatives},
+          {"negatives_accepted", s.negatives_accepted},
           {"rmse_translation_m", s.rmse_translation_m},
           {"rmse_rotation_rad", s.rmse_rotation_rad},
           {"median_translation_m", s.median_translation_m},

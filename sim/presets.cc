@@ -11,12 +11,12 @@ constexpr std::array<Preset, 9> kPresets = {{
     {"mars-yard-sim", "40 scans of 224k points, 5.4 m apart, in a Mars yard of 60 m x 120 m (paper, section 5)"},
     {"mars-yard-real", "17 scans of a million beams thinned to a quarter, 15 m apart, with bad returns (paper)"},
     {"mars-dome", "95 scans in an indoor dome of 40 m; every fifth pair is 2.38 m and 0.45 rad apart (paper)"},
-    {"random-yaw", "mars-yard-sim with the sensor turned anyhow at each scan"},
+    {"random-yaw", "mars-yard-sim with an arbitrary heading at each scan"},
     {"sparse", "mars-yard-sim with a quarter of the points"},
     {"outliers", "sparse with 15 % of the ranges wrong"},
     {"flat", "mars-yard-sim with all heights scaled by 0.1"},
     {"gale", "30 scans, 8 m apart, on an elevation model from a file, e.g. HiRISE of Gale crater"},
-    {"strangers", "40 scans of 40 worlds; 200 pairs that share no ground and must not be accepted"},
+    {"negatives", "40 scans of 40 worlds; 200 pairs that do not overlap and must not be accepted"},
 }};
 
 constexpr double kDegree = 0.017453292519943295;
@@ -94,8 +94,8 @@ std::optional<SimulationOptions> PresetOptions(std::string_view name) {
     options.world.relief = 0.1;
     return options;
   }
-  if (name == "strangers") {
-    options.strangers = true;
+  if (name == "negatives" || name == "strangers") {
+    options.separate_worlds = true;
     return options;
   }
   return std::nullopt;

@@ -43,12 +43,12 @@ TEST(RegistrationText, ShowsPoseSigmaAndDegeneracy) {
 TEST(EvaluationText, OneLinePerMethodAndDashesForNothing) {
   Evaluation evaluation{.dataset = "yard", .methods = {}};
   evaluation.methods.emplace_back().summary = Summarise({});
-  evaluation.methods.back().summary.strangers = 3;
+  evaluation.methods.back().summary.negatives = 3;
   const std::string text = EvaluationText(evaluation);
   EXPECT_THAT(text, HasSubstr("yard\n"));
   EXPECT_THAT(text, HasSubstr("curvelet          0     0"));
   EXPECT_THAT(text, HasSubstr(" - "));
-  EXPECT_THAT(text, HasSubstr("0 of 3 pairs of strangers accepted"));
+  EXPECT_THAT(text, HasSubstr("0 of 3 negative pairs accepted"));
   EXPECT_THAT(text, Not(HasSubstr("nan")));
 }
 

@@ -188,7 +188,7 @@ TEST(OddScansTest, TenMillionPoints) {
 }
 
 TEST(OddScansTest, TenMillionPointsOfAnotherPlace) {
-  const ScanPairWithTruth pair = testing::PairOf("strangers", 4, 0);
+  const ScanPairWithTruth pair = testing::PairOf("negatives", 4, 0);
   const auto result =
       RegisterScans(testing::Multiplied(pair.source, 10'000'000), testing::Multiplied(pair.target, 10'000'000));
   ASSERT_THAT(result, IsOk());

@@ -39,18 +39,18 @@ class ClientDeadlineTest : public ::testing::Test {
 };
 
 TEST_F(ClientDeadlineTest, ARegistrationEndsAtIt) {
-  const testing::ScanPairWithTruth strangers = testing::PairOf("strangers", 1, 0);  // nothing fits: takes longest
-  const auto register_strangers = [&](const RegistrationOptions& options) {
-    return (*client_)->RegisterScans(std::cref(strangers.source), std::cref(strangers.target), options);
+  const testing::ScanPairWithTruth negatives = testing::PairOf("negatives", 1, 0);  // nothing fits: takes longest
+  const auto register_negatives = [&](const RegistrationOptions& options) {
+    return (*client_)->RegisterScans(std::cref(negatives.source), std::cref(negatives.target), options);
   };
   RegistrationOptions options;
   options.num_threads = 1;
   Clock::time_point start = Clock::now();
-  ASSERT_THAT(register_strangers(options), IsOk());
+  ASSERT_THAT(register_negatives(options), IsOk());
   const Clock::duration whole = Clock::now() - start;
   start = Clock::now();
   options.deadline = start + whole / 3;
-  const auto late = register_strangers(options);
+  const auto late = register_negatives(options);
   const Clock::duration took = Clock::now() - start;
   ASSERT_THAT(late, IsOk());
   EXPECT_THAT(late->verdict.reasons, Contains(Reason::kDeadline));

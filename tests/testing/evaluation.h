@@ -52,7 +52,7 @@ inline void PrintHeader() {
 
 // The figures of `curvereg evaluate`; the time is that of a pair of scans prepared before.
 inline void PrintSummary(const std::string& name, const MethodSummary& s) {
-  std::printf("%-34s %5d %5d %8d %5d %8d %7d %8.2f %8.3f %8.2f %8.3f %7.1f\n", name.c_str(), s.pairs + s.strangers,
+  std::printf("%-34s %5d %5d %8d %5d %8d %7d %8.2f %8.3f %8.2f %8.3f %7.1f\n", name.c_str(), s.pairs + s.negatives,
               s.ok, s.accepted, s.accepted_wrong, s.rejected_right, s.no_pose, 1e3 * s.rmse_translation_m,
               1e3 * s.rmse_rotation_rad, 1e3 * s.rmse_ok_translation_m, 1e3 * s.rmse_ok_rotation_rad, 1e3 * s.median_s);
   std::fflush(stdout);
@@ -76,7 +76,7 @@ inline std::string Describe(const PairOutcome& outcome) {
       value(evidence.inlier_fraction), value(evidence.runner_up_ratio), evidence.num_attempts, outcome.error);
 }
 
-// Names every pair that is not both ok and accepted, and every stranger that is accepted.
+// Names every pair that is not both ok and accepted, and every negative pair that is accepted.
 inline void PrintTroubles(const std::vector<PairOutcome>& outcomes) {
   for (const PairOutcome& outcome : outcomes) {
     const bool accepted = outcome.result.verdict.accepted;
