@@ -34,7 +34,7 @@ segment, metres. Cuts of the link are mended.
 Exit status: 0 done, 1 internal fault or interrupted, 2 bad arguments or output, 4 server unreachable or it refused.
 
 Examples:
-  curvereg map sol-12 --out sol-12.ply --cell 0.05 --remove-seen-through --server ground-station:50051
+  curvereg map sol-12 --out sol-12.ply --cell 0.05 --remove-dynamic --server ground-station:50051
   curvereg map sol-12 --out sol-12.asc --cell 0.2 --server ground-station:50051)";
 
 bool IsGrid(const std::string& path) {
@@ -90,8 +90,17 @@ Command AddMapCommand(CLI::App& app) {
       ->check(CLI::Range(0, 1 << 30))
       ->capture_default_str()
       ->type_name("N");
-  command->add_flag("--remove-seen-through", arguments->map.remove_seen_through,
-                    "Leave out points that other scans saw through");
+  command->add_flag("--remove-dynamic", arguments->map.remove_dynamic, "Leave out points that other scans saw through");
+  // The option's old name, for one release.
+  command
+      ->add_flag_callback("--remove-seen-through",
+                          [arguments] {
+                            ReportWarning(
+                                "--remove-seen-through is called --remove-dynamic now; the old name will "
+                                "not be accepted in the next release");
+                            arguments->map.remove_dynamic = true;
+                          })
+      ->group("");
   AddTraverseOptions(*command, arguments->traverse, "Print one JSON object and nothing else");
   command->footer(kNotes);
   return {.app = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};

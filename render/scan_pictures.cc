@@ -140,7 +140,7 @@ class Drawing {
     if (!view.ok()) return view.status();
     const Image<float>& conditioned = (*view)->image.values;
     Image<float> tapered = conditioned;
-    TaperBorder(options.taper_px, tapered);
+    Apodize(options.taper_px, tapered);
     if (absl::Status status = AddDifferences(name, tapered, options.bands); !status.ok()) return status;
     if (!Wants(PictureKind::kKeypoints)) return absl::OkStatus();
     const std::vector<Keypoint>& keypoints = (*view)->features.keypoints;

@@ -46,7 +46,8 @@ constexpr std::array<Count, 6> kCounts = {
      {"hypothesis_count", &Ours::num_hypotheses, &Wire::hypothesis_count, &Wire::set_hypothesis_count},
      {"attempt_count", &Ours::num_attempts, &Wire::attempt_count, &Wire::set_attempt_count}}};
 
-// Shares may be a rounding error beyond their range; an unsure pose may have a runner-up that is infinitely surer.
+// Shares may be a rounding error beyond their range; the confidence of a pose may be 0, and then the ratio of
+// the runner-up is infinite.
 constexpr double kSlack = 1e-9;
 constexpr std::array<Measure, 9> kMeasures = {
     {{"source_overlap", &Ours::overlap_source, &Wire::has_source_overlap, &Wire::source_overlap,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the paper's two rivals share: options, result, limits. Both are made of PCL's parts and know no verdict: they
+// What the paper's two baselines share: options, result, limits. Both are made of PCL's parts and know no verdict: they
 // answer the pose that their last step, ICP, ends with. Frames and units as in core/scan/scan.h.
 //
 // Cost: minutes per pair of 200k-point scans, on one thread; they exist to be compared with, not to be used.

@@ -36,7 +36,7 @@ struct ViewOptions {
 ViewOptions ElevationViewOptions();
 ViewOptions OccupancyViewOptions();
 // For scans with false returns: median heights, cells that stand out removed.
-ViewOptions CleanedElevationViewOptions();
+ViewOptions RobustElevationViewOptions();
 
 struct ViewFeatures {
   Eigen::Matrix3d R_level_sensor = Eigen::Matrix3d::Identity();

@@ -36,7 +36,7 @@ TraverseGraph MakeGraph(const Traverse& traverse, const SegmentPlaces& places, c
                                 *link.result.T_target_source, LinkCovariance(link.result, options)});
     made.link_of_edge.push_back(i);
   }
-  // Wheels slip: what odometry says may be wrong as well. Where it is all there is, it is believed nevertheless.
+  // Wheels slip, so odometry may be wrong as well. Where there is nothing else, it decides nevertheless.
   for (size_t number = 1; number < traverse.poses.size(); ++number) {
     const std::optional<Prior>& prior = traverse.priors[number];
     if (!prior.has_value() || !prior->covariance.has_value()) continue;

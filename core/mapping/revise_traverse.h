@@ -22,15 +22,15 @@ struct SegmentJoin {
 };
 
 // The trajectory that agrees best with all accepted links and priors (OptimizePoseGraph). A pose is kRegistered when
-// links that were not given up connect it with an earlier one, by whichever way, kPrior when odometry alone does.
-// Segments are joined, never split: a part that one link holds is where that link says, for nothing contradicts it. Of
-// links that contradict each other one is believed, as a rule; if all of them are given up, the part stays near where
-// they would have it, and its covariance, a thousand times their deviations, says that it is not known.
+// links that were not rejected connect it with an earlier one, by whichever way, kPrior when odometry alone does.
+// Segments are joined, never split: a part that is connected by one link is placed by that link, because nothing
+// contradicts it. Of links that contradict each other usually one is kept. If all of them are rejected, the part stays
+// near where they place it, and its covariance, of a thousand times their standard deviations, marks it as unknown.
 struct TraverseRevision {
   std::vector<SegmentJoin> joins;         // segments that accepted links connect
   std::vector<TrajectoryPose> poses;      // those that changed, by sequence number
   int num_links = 0;                      // used
-  int num_rejected_links = 0;             // accepted by registration, given up here
+  int num_rejected_links = 0;             // accepted by registration, rejected here
   double max_translation_change_m = 0.0;  // of poses that stayed in their segment
   bool converged = true;                  // false: the poses still moved when max_iterations was reached
 };

@@ -89,7 +89,7 @@ absl::Status EstimatePose(std::span<const PointPair> pairs, const PaperOptions& 
   return absl::OkStatus();
 }
 
-// What RegisterPaper was asked.
+// The arguments of RegisterPaper.
 struct Call {
   const Scan& source;
   const Scan& target;

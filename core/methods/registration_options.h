@@ -18,8 +18,8 @@ namespace curvereg {
 enum class Method {
   kCurvelet,      // "curvelet": bird's-eye curvelet features, refinement, verification, escalation
   kPaper,         // "paper": the published pipeline to the letter
-  kFpfhSacIa,     // "fpfh-sac-ia": the paper's first rival
-  kHarris3dFpfh,  // "harris3d-fpfh": the paper's second rival
+  kFpfhSacIa,     // "fpfh-sac-ia": the paper's first baseline
+  kHarris3dFpfh,  // "harris3d-fpfh": the paper's second baseline
   kIcp,           // "icp": refinement alone, from the prior (identity when none is given)
 };
 

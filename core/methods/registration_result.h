@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a registration answers: the transform and the evidence to believe it or not. Born rejected ("not run").
+// The result of a registration: the transform, and the verdict with its evidence. Rejected ("not run") by default.
 #ifndef CURVEREG_CORE_METHODS_REGISTRATION_RESULT_H_
 #define CURVEREG_CORE_METHODS_REGISTRATION_RESULT_H_
 
@@ -14,15 +14,15 @@
 
 namespace curvereg {
 
-// Why a pose is not to be believed. A closed list: the wire, the metrics and the documentation carry the same names.
+// Why a pose is rejected. A closed list: the wire, the metrics and the documentation carry the same names.
 enum class Reason {
   kNotRun,               // the result was never filled in
   kTooFewPoints,         // too few usable points left in a scan after filtering
   kTooFewFeatures,       // too few key points to match
   kNoConsensus,          // matches agree on no pose
-  kResidualTooHigh,      // surfaces do not lie on each other
+  kResidualTooHigh,      // surfaces do not fit each other
   kOverlapTooLow,        // the scans share too little ground
-  kFreeSpaceViolated,    // one scan puts surface where the other saw through
+  kFreeSpaceViolated,    // one scan has surface in the free space of the other
   kAmbiguous,            // another, different pose explains the scans as well
   kDegenerateDirection,  // the scans leave a direction of the pose undetermined
   kDeadline,             // time ran out; the pose is the best so far
@@ -48,7 +48,7 @@ struct Evidence {
   int num_matches = 0;
   int num_inliers = 0;                         // matches that agree with the chosen hypothesis
   int num_hypotheses = 0;                      // distinct poses tried
-  int num_attempts = 0;                        // rungs of the escalation ladder climbed
+  int num_attempts = 0;                        // escalation steps run
   std::optional<double> overlap_source;        // share of the source's surface that the target saw, in [0, 1]
   std::optional<double> overlap_target;        // share of the target's surface that the source saw, in [0, 1]
   std::optional<double> free_space_agreement;  // 1 minus the share of points in the other scan's free space

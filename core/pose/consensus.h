@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // From matches to pose hypotheses. Between two levelled bird's-eye views a pose has a yaw and a shift, so every match
-// of oriented features proposes one whole pose by itself; the others vote for it by position and orientation.
+// of oriented features proposes one whole pose by itself, as in [Lowe 2004, section 7.3]; the others vote for it by
+// position and orientation. All matches are tried as samples of one (the consensus of [Fischler 1981] without chance).
 #ifndef CURVEREG_CORE_POSE_CONSENSUS_H_
 #define CURVEREG_CORE_POSE_CONSENSUS_H_
 

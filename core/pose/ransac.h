@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Random sample consensus over pairs of 3-D points, most of which are wrong: the rigid transform of three random pairs
-// that lays most of all pairs on each other [M. A. Fischler, R. C. Bolles, CACM 24(6), 1981].
+// that most of all pairs agree with [M. A. Fischler, R. C. Bolles, CACM 24(6), 1981].
 // Deterministic: same pairs, options and seed, same bytes; runs on one thread.
 #ifndef CURVEREG_CORE_POSE_RANSAC_H_
 #define CURVEREG_CORE_POSE_RANSAC_H_

@@ -3,7 +3,7 @@
 //
 // register_scans HOST:PORT SOURCE TARGET
 //
-// Asks a server for the transform that lays the scan in file SOURCE on the one in TARGET, and prints it as
+// Asks a server for the transform that aligns the scan in file SOURCE to the one in TARGET, and prints it as
 // "x y z qx qy qz qw" [m; unit quaternion]. Exit status: 0 accepted, 3 rejected, 2 usage, 1 anything else.
 #include <Eigen/Geometry>
 #include <cstdio>

@@ -63,7 +63,7 @@ void ExpectConsistent(const RegistrationResult& result) {
   EXPECT_EQ(result.build_id, BuildId());
 }
 
-TEST(RegisterScansTest, LaysUnevenGroundOnItself) {
+TEST(RegisterScansTest, AlignsUnevenGroundToItself) {
   for (const double yaw : {0.4, -2.5}) {
     const Pair pair = GroundPair(testing::RoverPose(3.0, 1.0, yaw), testing::RoverPose(0.0, 0.0, 0.0));
     const auto result = RegisterScans(pair.source, pair.target);
@@ -79,7 +79,7 @@ TEST(RegisterScansTest, LaysUnevenGroundOnItself) {
   }
 }
 
-TEST(RegisterScansTest, LaysAHallOnItself) {
+TEST(RegisterScansTest, AlignsAHallToItself) {
   testing::ScannerOptions scanner;
   scanner.max_elevation_rad = 0.7;
   const RigidTransform T_world_source = testing::UprightPose(-1.5, 0.6, 1.0, 1.3);
@@ -209,7 +209,7 @@ TEST(RegisterScansTest, CancelledBeforeOrMeanwhile) {
   options.cancellation = before.get_token();
   EXPECT_THAT(RegisterScans(NearPair().source, NearPair().target, options), HasCode(absl::StatusCode::kCancelled));
 
-  // Scans of different places climb the whole ladder; cancelled at many moments, none is accepted or takes long.
+  // Scans of different places run every escalation step; cancelled at many moments, none is accepted or takes long.
   const Scan other = testing::BumpyGround(testing::RoverPose(1.0, 2.0, 0.5, 1.6, 2), {.world_seed = 2});
   for (const int milliseconds : {1, 5, 15, 40}) {
     std::stop_source source;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What both rivals promise (core/baselines/baseline.h). A test file names its rival:
+// What both baselines promise (core/baselines/baseline.h). A test file names its baseline:
 // INSTANTIATE_TEST_SUITE_P(FpfhSacIa, BaselineContract, ::testing::Values(&RegisterFpfhSacIa));
 #ifndef CURVEREG_TESTS_CORE_BASELINES_BASELINE_CONTRACT_H_
 #define CURVEREG_TESTS_CORE_BASELINES_BASELINE_CONTRACT_H_

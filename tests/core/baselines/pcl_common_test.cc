@@ -66,7 +66,7 @@ TEST(PclCommonTest, DescriptorsOfAPlaneAreAllAlikeInside) {
   EXPECT_NEAR(middle[27], 100.0F, 0.1F);
 }
 
-TEST(PclCommonTest, IcpLaysACloudOnItself) {
+TEST(PclCommonTest, IcpAlignsACloudToItself) {
   const RigidTransform T_target_source = SensorPose(0.3, -0.2, 0.03, 0.1);
   const Scan target_scan = BumpyScan(SensorPose(0.0, 0.0, 0.0), 3);
   const Surface target = PrepareSurface(target_scan, {});

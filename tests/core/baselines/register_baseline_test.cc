@@ -17,7 +17,7 @@ using testing::IsOk;
 
 constexpr Method kBaselines[] = {Method::kFpfhSacIa, Method::kHarris3dFpfh};
 
-// Sparse, so that the rivals need a second, not a minute.
+// Sparse, so that the baselines need a second, not a minute.
 Scan SparseGround(double x, uint64_t noise_seed) {
   testing::ScannerOptions scanner;
   scanner.num_columns = 120;

@@ -45,9 +45,9 @@ TEST(RegisterCurveletTest, EasyScansNeedOneRung) {
   EXPECT_GE(result->evidence.num_matches, result->evidence.num_inliers);
 }
 
-TEST(RegisterCurveletTest, HardScansClimbTheLadder) {
-  const auto stranger = Prepared(testing::BumpyGround(testing::RoverPose(0.0, 0.0, 0.0, 1.6, 9), {.world_seed = 9}));
-  const auto result = RegisterCurvelet(*stranger, Target(), {}, {});
+TEST(RegisterCurveletTest, HardScansEscalate) {
+  const auto elsewhere = Prepared(testing::BumpyGround(testing::RoverPose(0.0, 0.0, 0.0, 1.6, 9), {.world_seed = 9}));
+  const auto result = RegisterCurvelet(*elsewhere, Target(), {}, {});
   ASSERT_THAT(result, IsOk());
   EXPECT_FALSE(result->verdict.accepted);
   EXPECT_GE(result->evidence.num_attempts, 3);
