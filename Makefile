@@ -22,7 +22,7 @@ demo: deps ## Simulate a rover's drive, register its scans, draw the report into
 	cmake --build --preset release -j $(JOBS) --target bin/curvereg bin/curvereg-server
 	scripts/demo.sh
 
-paper: deps ## The paper's tables and figures for its method, its rivals and ours, into out/paper (an hour)
+paper: deps ## The paper's tables and figures for its method, its baselines and ours, into out/paper (an hour)
 	cmake --preset release
 	cmake --build --preset release -j $(JOBS) --target bin/curvereg
 	scripts/paper.sh

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's rivals on a pair of simulated yard scans, thinned by voxels so that this takes seconds, beside plain
+// The paper's baselines on a pair of simulated yard scans, thinned by voxels so that this takes seconds, beside plain
 // copies of the scans' points, single thread.
 #include <cstdio>
 #include <string>

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   const curvereg::ViewFeatures view = curvereg::bench::BenchView(points);
   const auto bands = curvereg::ComputeScaleBands(view.image.values, curvereg::ScaleBandOptions());
   const auto keypoints =
-      curvereg::DetectKeypoints(curvereg::DifferenceOfCurvelets(*bands), curvereg::ValidShare(view.valid, 4));
+      curvereg::DetectKeypoints(curvereg::DifferenceOfCurvelets(*bands), curvereg::ValidFraction(view.valid, 4));
   return curvereg::bench::PrintRatios(argc, argv, curvereg::bench::FftRoundTrip(view.image.values.rows),
                                       {{"DescribeKeypoints, " + std::to_string(keypoints.size()) + " key points",
                                         [&] { static_cast<void>(curvereg::DescribeKeypoints(*bands, keypoints)); }}});

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
       {{"copy of the image", on_a_copy([] {})},
        {"FillHoles", on_a_copy([&] { curvereg::FillHoles(view.valid, image); })},
        {"GaussianBlur3x3", on_a_copy([&] { curvereg::GaussianBlur3x3(0.5, image); })},
-       {"RemovePlane", on_a_copy([&] { curvereg::RemovePlane(view.valid, image); })},
-       {"TaperBorder", on_a_copy([&] { curvereg::TaperBorder(16, image); })},
-       {"ValidShare", on_a_copy([&] { static_cast<void>(curvereg::ValidShare(view.valid, 4)); })}});
+       {"Detrend", on_a_copy([&] { curvereg::Detrend(view.valid, image); })},
+       {"Apodize", on_a_copy([&] { curvereg::Apodize(16, image); })},
+       {"ValidFraction", on_a_copy([&] { static_cast<void>(curvereg::ValidFraction(view.valid, 4)); })}});
 }

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   const curvereg::ViewFeatures view = curvereg::bench::BenchView(points);
   const auto bands = curvereg::ComputeScaleBands(view.image.values, curvereg::ScaleBandOptions());
   const auto stack = curvereg::DifferenceOfCurvelets(*bands);
-  const curvereg::Image<float> share = curvereg::ValidShare(view.valid, 4);
+  const curvereg::Image<float> share = curvereg::ValidFraction(view.valid, 4);
   return curvereg::bench::PrintRatios(
       argc, argv, curvereg::bench::FftRoundTrip(view.image.values.rows),
       {{"DifferenceOfCurvelets", [&] { static_cast<void>(curvereg::DifferenceOfCurvelets(*bands)); }},

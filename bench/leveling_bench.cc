@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Candidate verticals from a scan's surface elements beside a copy of its points.
+// Candidate verticals from a scan's surfels beside a copy of its points.
 #include "core/scan/leveling.h"
 
 #include "bench/bench_scene.h"

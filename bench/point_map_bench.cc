@@ -53,14 +53,14 @@ int main(int argc, char** argv) {
   using curvereg::bench::Build;
   const curvereg::MapInput input = curvereg::bench::BenchInput();
   const auto first = *input.load(0, {});
-  std::printf("%zu points of 10 scans in cells of 0.1 m, %zu with remove_seen_through\n", Build(input, {}),
-              Build(input, {.remove_seen_through = true}));
+  std::printf("%zu points of 10 scans in cells of 0.1 m, %zu with remove_dynamic\n", Build(input, {}),
+              Build(input, {.remove_dynamic = true}));
   return curvereg::bench::PrintRatios(
       argc, argv, curvereg::bench::CopyOf(first->points),
       {{"BuildPointMap, 10 scans, 0.1 m", [&] { Build(input, {}); }},
        {"the same in 4 MB", [&] { Build(input, {.max_memory_bytes = std::size_t{4} << 20}); }},
        {"BuildPointMap, 10 scans, 0.5 m", [&] { Build(input, {.cell_m = 0.5}); }},
-       {"with remove_seen_through, 0.1 m", [&] { Build(input, {.remove_seen_through = true}); }},
+       {"with remove_dynamic, 0.1 m", [&] { Build(input, {.remove_dynamic = true}); }},
        {"BuildElevationMap, 0.1 m",
         [&] { curvereg::bench::Require(curvereg::BuildElevationMap(input, {}).status()); }}});
 }

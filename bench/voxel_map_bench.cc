@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Surface elements of a scan beside a copy of its points.
+// Surfels of a scan beside a copy of its points.
 #include "core/scan/voxel_map.h"
 
 #include "bench/bench_scene.h"

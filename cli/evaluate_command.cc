@@ -37,7 +37,7 @@ struct Arguments {
 
 constexpr char kExamples[] =
     R"(A data set is a folder of scans in name order with poses.txt (TUM: sensor to world) or pairs.txt (lines
-`source target overlap ... 16 numbers`, row-major T_target_source). strangers.txt, where present, lists pairs
+`source target overlap ... 16 numbers`, row-major T_target_source). negatives.txt, where present, lists pairs
 `source target` that share no ground: accepting one is wrong.
 
 --mode pairs registers the pairs one by one. --mode traverse tracks the scans in name order as one drive and then
@@ -71,8 +71,12 @@ RegistrationOptions RegistrationOf(const Arguments& arguments, const CliContext&
 
 absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, const Dataset& dataset,
                                                 const CliContext& context) {
-  const absl::StatusOr<std::vector<StrangerPair>> strangers = LoadStrangers(dataset);
-  if (!strangers.ok()) return strangers.status();
+  if (const std::string path = NegativePairsFile(dataset.folder); IsOldNegativePairsFile(path)) {
+    ReportWarning(
+        absl::StrCat(path, ": is called negatives.txt now; the old name will not be read in the next release"));
+  }
+  const absl::StatusOr<std::vector<NegativePair>> negatives = LoadNegativePairs(dataset);
+  if (!negatives.ok()) return negatives.status();
   const absl::StatusOr<std::vector<Method>> methods = ParseMethods(arguments.methods);
   if (!methods.ok()) return methods.status();
 
@@ -95,7 +99,7 @@ absl::StatusOr<Evaluation> EvaluateWithProgress(const Arguments& arguments, cons
     }
     bar.Update(static_cast<double>(progress.num_done) / progress.num_total, ProgressNote(progress));
   };
-  return Evaluate(dataset, *strangers, options);
+  return Evaluate(dataset, *negatives, options);
 }
 
 ExitCode RunTraverse(const Arguments& arguments, const Dataset& dataset, Method method, const CliContext& context) {

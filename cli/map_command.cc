@@ -32,7 +32,7 @@ the frame of the segment, metres. The download resumes after connection loss.
 Exit status: 0 done, 1 internal error or interrupted, 2 wrong arguments or output, 4 server unreachable or refused.
 
 Examples:
-  curvereg map sol-12 --out sol-12.ply --cell 0.05 --remove-seen-through --server ground-station:50051
+  curvereg map sol-12 --out sol-12.ply --cell 0.05 --remove-dynamic --server ground-station:50051
   curvereg map sol-12 --out sol-12.asc --cell 0.2 --server ground-station:50051)";
 
 bool IsGrid(const std::string& path) {
@@ -88,8 +88,18 @@ Command AddMapCommand(CommandSyntax app) {
       .Within(0, 1 << 30)
       .ShowDefault()
       .ValueName("N");
-  command.AddFlag("--remove-seen-through", arguments->map.remove_seen_through,
+  command.AddFlag("--remove-dynamic", arguments->map.remove_dynamic,
                   "Remove points that lie in the free space of other scans (dynamic objects)");
+  // The option's old name, for one release.
+  command
+      .AddFlagAction("--remove-seen-through",
+                     [arguments] {
+                       ReportWarning(
+                           "--remove-seen-through is called --remove-dynamic now; the old name will "
+                           "not be accepted in the next release");
+                       arguments->map.remove_dynamic = true;
+                     })
+      .Group("");
   AddTraverseOptions(command, arguments->traverse, "Print one JSON object and nothing else");
   command.SetFooter(kNotes);
   return {.syntax = command, .run = [arguments](const CliContext& context) { return Run(*arguments, context); }};

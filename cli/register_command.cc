@@ -149,11 +149,11 @@ absl::StatusOr<RegistrationResult> RegisterSides(ServiceAccess& service, const S
 // The source in the target frame, then the target.
 absl::Status WriteMergedCloud(const std::string& path, const Scan& source, const Scan& target,
                               const RegistrationResult& result) {
-  if (!result.has_pose) {
+  if (!result.T_target_source.has_value()) {
     ReportWarning(absl::StrCat(path, ": not written, because there is no pose"));
     return absl::OkStatus();
   }
-  Scan merged = TransformScan(source, result.T_target_source);
+  Scan merged = TransformScan(source, *result.T_target_source);
   merged.points.insert(merged.points.end(), target.points.begin(), target.points.end());
   return WriteCloudFile(path, merged);
 }

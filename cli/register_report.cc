@@ -47,8 +47,8 @@ absl::StatusOr<std::string> Page(const NamedScans& scans, const RegistrationResu
   for (const View& view : {View{"Registered, from above", Projection::kFromAbove, true},
                            View{"Registered, from the side", Projection::kFromTheSide, true},
                            View{"As given, from above", Projection::kFromAbove, false}}) {
-    if (view.moved && !result.has_pose) continue;
-    const RigidTransform T = view.moved ? result.T_target_source : RigidTransform::Identity();
+    if (view.moved && !result.T_target_source.has_value()) continue;
+    const RigidTransform T = view.moved ? *result.T_target_source : RigidTransform::Identity();
     const absl::StatusOr<std::string> picture = Picture(scans, T, view.projection, view.title);
     if (!picture.ok()) return picture.status();
     html += *picture;

@@ -3,10 +3,12 @@
 #include "cli/result_text.h"
 
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "core/methods/registration_names.h"
 
 namespace curvereg::cli {
 namespace {
@@ -22,8 +24,8 @@ std::string VerdictText(const Verdict& verdict) {
 }
 
 std::string TransformText(const RegistrationResult& result) {
-  if (!result.has_pose) return "transform    none\n";
-  const RigidTransform& T = result.T_target_source;
+  if (!result.T_target_source.has_value()) return "transform    none\n";
+  const RigidTransform& T = *result.T_target_source;
   std::string text = "T_target_source (maps source coordinates to target coordinates, metres)\n";
   for (int row = 0; row < 4; ++row) {
     absl::StrAppendFormat(&text, "  %12.9f %12.9f %12.9f %14.9f\n", T(row, 0), T(row, 1), T(row, 2), T(row, 3));
@@ -35,8 +37,8 @@ std::string TransformText(const RegistrationResult& result) {
 
 std::string UncertaintyText(const RegistrationResult& result) {
   std::string text;
-  if (result.has_covariance) {
-    const Vector6d sigma = result.covariance.diagonal().cwiseSqrt();
+  if (result.covariance.has_value()) {
+    const Vector6d sigma = result.covariance->diagonal().cwiseSqrt();
     absl::StrAppendFormat(
         &text, "sigma        rotation %.2g %.2g %.2g rad, translation %.2g %.2g %.2g m (x y z, target frame)\n",
         sigma[0], sigma[1], sigma[2], sigma[3], sigma[4], sigma[5]);
@@ -50,9 +52,9 @@ std::string UncertaintyText(const RegistrationResult& result) {
 }
 
 // One line of evidence; nothing where the method does not compute the measure.
-void AppendMeasure(const char* name, double value, const char* unit, std::string& text) {
-  if (value == -1.0) return;
-  absl::StrAppendFormat(&text, "  %-22s %.4g%s\n", name, value, unit);
+void AppendMeasure(const char* name, const std::optional<double>& value, const char* unit, std::string& text) {
+  if (!value.has_value()) return;
+  absl::StrAppendFormat(&text, "  %-22s %.4g%s\n", name, *value, unit);
 }
 
 std::string EvidenceText(const Evidence& e) {
@@ -106,9 +108,8 @@ std::string EvaluationText(const Evaluation& evaluation) {
                           s.rejected_right, s.no_pose, NumberText(s.rmse_translation_m),
                           NumberText(s.rmse_rotation_rad), NumberText(s.rmse_ok_translation_m),
                           NumberText(s.rmse_ok_rotation_rad), NumberText(s.median_s), NumberText(s.p95_s));
-    if (s.strangers > 0) {
-      absl::StrAppendFormat(&text, "%-13s %d of %d pairs of strangers accepted\n", "", s.strangers_accepted,
-                            s.strangers);
+    if (s.negatives > 0) {
+      absl::StrAppendFormat(&text, "%-13s %d of %d negative pairs accepted\n", "", s.negatives_accepted, s.negatives);
     }
     if (s.failed_calls > 0) absl::StrAppendFormat(&text, "%-13s %d calls failed\n", "", s.failed_calls);
   }

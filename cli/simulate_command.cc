@@ -46,7 +46,7 @@ std::string Footer() {
   }
   return text + R"(
 Writes a data set: scans 0000.pcd, 0001.pcd, ... in the sensor frame and the ground truth, poses.txt (TUM, sensor
-to world) or, of strangers, strangers.txt. The same options and seed give the same bytes at any number of threads.
+to world) or, for pairs that do not overlap, negatives.txt. The same options and seed give the same bytes at any number of threads.
 
 With --server the scans are uploaded as well.
 
@@ -80,6 +80,10 @@ absl::StatusOr<sim::SimulationOptions> OptionsOf(const Arguments& arguments) {
   if (!options.has_value()) {
     return absl::InvalidArgumentError(absl::StrCat("unknown preset '", arguments.preset, "'; presets: ", PresetList()));
   }
+  if (arguments.preset == "strangers") {
+    ReportWarning(
+        "the preset 'strangers' is called negatives now; the old name will not be accepted in the next release");
+  }
   for (const Change& change : arguments.changes) change(*options);
   if (!arguments.terrain.empty()) {
     options->world.kind = sim::WorldKind::kElevationModel;
@@ -99,8 +103,8 @@ absl::StatusOr<sim::SimulationOptions> OptionsOf(const Arguments& arguments) {
 std::string SummaryText(const sim::Simulation& simulation, const SimulatedDatasetSummary& summary) {
   std::string text = absl::StrFormat("scans        %d, %d points on average\n", simulation.num_scans(),
                                      summary.num_points / simulation.num_scans());
-  if (simulation.options().strangers) {
-    return text + absl::StrFormat("pairs        %d that share no ground\n", simulation.Strangers().size());
+  if (simulation.options().separate_worlds) {
+    return text + absl::StrFormat("pairs        %d that share no ground\n", simulation.NegativePairs().size());
   }
   return text +
          absl::StrFormat("steps        %.2f m, %.3f rad on average\n", summary.mean_step_m, summary.mean_rotation_rad);
@@ -114,7 +118,7 @@ std::string SummaryJson(const Arguments& arguments, const sim::Simulation& simul
                      {"uploaded_to", arguments.server.server},
                      {"scans", simulation.num_scans()},
                      {"points", summary.num_points},
-                     {"strangers", simulation.Strangers().size()},
+                     {"negatives", simulation.NegativePairs().size()},
                      {"mean_step_m", summary.mean_step_m},
                      {"mean_rotation_rad", summary.mean_rotation_rad}};
   return JsonText(json) + "\n";

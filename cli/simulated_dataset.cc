@@ -20,14 +20,14 @@ namespace {
 std::string ScanFile(int index) { return SimulatedScanName(index) + ".pcd"; }
 
 std::string TruthFile(const sim::Simulation& simulation) {
-  return simulation.options().strangers ? "strangers.txt" : "poses.txt";
+  return simulation.options().separate_worlds ? "negatives.txt" : "poses.txt";
 }
 
 // A longer run's scans, or another's truth, would be taken for part of this data set.
 absl::Status CheckLeftovers(const sim::Simulation& simulation, const std::string& folder) {
   std::set<std::string> ours = {TruthFile(simulation)};
   for (int i = 0; i < simulation.num_scans(); ++i) ours.insert(ScanFile(i));
-  const std::set<std::string> truths = {"poses.txt", "pairs.txt", "strangers.txt"};
+  const std::set<std::string> truths = {"poses.txt", "pairs.txt", "negatives.txt", "strangers.txt"};
   std::error_code error;
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
@@ -42,9 +42,9 @@ absl::Status CheckLeftovers(const sim::Simulation& simulation, const std::string
 }
 
 absl::Status WriteTruth(const sim::Simulation& simulation, const std::string& path) {
-  if (simulation.options().strangers) {
+  if (simulation.options().separate_worlds) {
     std::string text = "# source target: pairs that share no ground; there is no transform between them\n";
-    for (const auto& [source, target] : simulation.Strangers()) {
+    for (const auto& [source, target] : simulation.NegativePairs()) {
       absl::StrAppend(&text, SimulatedScanName(source), " ", SimulatedScanName(target), "\n");
     }
     return WriteFileAtomically(path, text);
@@ -58,7 +58,7 @@ absl::Status WriteTruth(const sim::Simulation& simulation, const std::string& pa
 
 SimulatedDatasetSummary MotionOf(const sim::Simulation& simulation) {
   SimulatedDatasetSummary summary;
-  if (simulation.options().strangers || simulation.num_scans() < 2) return summary;
+  if (simulation.options().separate_worlds || simulation.num_scans() < 2) return summary;
   for (int i = 1; i < simulation.num_scans(); ++i) {
     const TransformDifference step = Difference(simulation.T_world_scan(i - 1), simulation.T_world_scan(i));
     summary.mean_step_m += step.translation_m / (simulation.num_scans() - 1);

@@ -27,11 +27,11 @@ struct SimulatedDatasetOptions {
 
 struct SimulatedDatasetSummary {
   int64_t num_points = 0;    // of all scans
-  double mean_step_m = 0.0;  // between consecutive scans; 0 for strangers and single scans
+  double mean_step_m = 0.0;  // between consecutive scans; 0 for separate worlds and single scans
   double mean_rotation_rad = 0.0;
 };
 
-// Writes NNNN.pcd for each scan and, last, the truth: poses.txt (TUM, sensor to world), or strangers.txt where the
+// Writes NNNN.pcd for each scan and, last, the truth: poses.txt (TUM, sensor to world), or negatives.txt where the
 // scans share no ground. Overwrites what an earlier run left. INVALID_ARGUMENT: the folder holds scans or truth that
 // this simulation would not overwrite and that a reader would mix up with it; CANCELLED; errors of writing files.
 absl::StatusOr<SimulatedDatasetSummary> WriteSimulatedDataset(const sim::Simulation& simulation,

@@ -18,6 +18,7 @@
 #include "cli/stream_account.h"
 #include "cli/traverse_arguments.h"
 #include "client/traverses.h"
+#include "core/methods/registration_names.h"
 #include "program/command_syntax.h"
 
 namespace curvereg::cli {

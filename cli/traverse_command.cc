@@ -15,6 +15,7 @@
 #include "cli/traverse_text.h"
 #include "cli/traverse_trajectory.h"
 #include "client/traverses.h"
+#include "core/methods/registration_names.h"
 #include "files/json.h"
 #include "program/command_syntax.h"
 

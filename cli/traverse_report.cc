@@ -12,6 +12,7 @@
 #include "absl/strings/str_join.h"
 #include "cli/traverse_text.h"
 #include "cli/traverse_trajectory.h"
+#include "core/methods/registration_names.h"
 #include "eval/report_html.h"
 #include "eval/report_pictures.h"
 #include "files/atomic_file.h"

@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "core/base/small_matrices.h"
+#include "core/methods/registration_names.h"
 #include "files/json.h"
 #include "files/result_json.h"
 

@@ -25,6 +25,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/stop.h"
+#include "core/methods/registration_names.h"
 #include "core/methods/registration_options.h"
 #include "core/methods/registration_result.h"
 #include "core/scan/scan.h"

@@ -11,8 +11,9 @@
 #include "client/remote_scan.h"
 #include "client/retry.h"
 #include "curvereg/v1/registration_service.grpc.pb.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/options_conversion.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg::internal {
 namespace {

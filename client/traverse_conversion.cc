@@ -7,9 +7,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/remote_scan.h"
-#include "wire/conversion.h"
 #include "wire/digest.h"
 #include "wire/duration.h"
+#include "wire/geometry_conversion.h"
+#include "wire/options_conversion.h"
+#include "wire/result_conversion.h"
 #include "wire/timestamp.h"
 #include "wire/trajectory_conversion.h"
 

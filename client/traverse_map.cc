@@ -24,7 +24,7 @@ v1::DownloadMapRequest RequestOf(const std::string& name, const MapOptions& opti
   request.set_kind(options.kind == MapOptions::Kind::kPoints ? v1::MAP_KIND_POINTS : v1::MAP_KIND_ELEVATION_ASCII);
   request.set_cell_m(options.cell_m);
   request.set_segment(static_cast<uint32_t>(options.segment));
-  request.set_remove_seen_through(options.remove_seen_through);
+  request.set_remove_seen_through(options.remove_dynamic);
   return request;
 }
 

@@ -87,7 +87,7 @@ struct MapOptions {
   Kind kind = Kind::kPoints;
   double cell_m = 0.1;  // edge of a cell [m], 0.01 to 10
   int segment = 0;
-  bool remove_seen_through = false;  // leave out points that other scans saw through
+  bool remove_dynamic = false;  // leave out points in the free space of other scans
   std::function<void(const TransferProgress&)> progress;
   std::stop_token cancellation;
 };

@@ -15,6 +15,7 @@
 #include "core/methods/register_curvelet.h"
 #include "core/methods/register_icp.h"
 #include "core/methods/register_paper.h"
+#include "core/methods/registration_names.h"
 
 namespace curvereg {
 namespace {

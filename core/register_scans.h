@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // START HERE. Two scans in, a rigid transform and its evidence out. core/README.md lists the stages in order; the
-// method `curvelet` itself is one screen: CurveletRegistration::Run in register_curvelet.cc.
+// method `curvelet` itself is one screen: CurveletRegistration::Run in methods/register_curvelet.cc.
 #ifndef CURVEREG_CORE_REGISTER_SCANS_H_
 #define CURVEREG_CORE_REGISTER_SCANS_H_
 
@@ -13,13 +13,14 @@
 
 #include "absl/status/statusor.h"
 #include "core/methods/prepared_scan.h"
+#include "core/methods/registration_names.h"
 #include "core/methods/registration_options.h"
 #include "core/methods/registration_result.h"
 #include "core/scan/scan.h"
 
 namespace curvereg {
 
-// The rigid transform that lays `source` on `target`, T_target_source, with verdict and evidence.
+// The rigid transform T_target_source that aligns `source` to `target`, with verdict and evidence.
 // Scans that do not match are an answer (OK, verdict rejected). INVALID_ARGUMENT: a scan or an option that cannot be
 // used (see ValidateScan); CANCELLED: options.cancellation was requested; UNIMPLEMENTED: a method that this build
 // leaves out. Same scans, options and seed: same bytes at any thread count, times apart.

@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "eval/dataset_text.h"
+#include "eval/negative_pairs.h"
 #include "files/file_bytes.h"
 #include "files/scan_files.h"
 #include "files/trajectory_file.h"
@@ -126,8 +127,8 @@ absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelecti
   const absl::StatusOr<FileBytes> pairs = ReadFileBytes(pairs_path, kMaxTextBytes);
   if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
   if (!pairs.ok() && !absl::IsNotFound(pairs.status())) return pairs.status();
-  std::error_code error;  // strangers.txt names pairs, too, though none that could be registered (strangers.h)
-  const bool has_truth = poses.ok() || pairs.ok() || fs::exists(fs::path(folder) / "strangers.txt", error);
+  // Negative pairs are pairs, too.
+  const bool has_truth = poses.ok() || pairs.ok() || !NegativePairsFile(folder).empty();
   if (selection.needs_truth && !has_truth) {
     return absl::NotFoundError(absl::StrCat(folder, ": has neither pairs.txt nor poses.txt"));
   }

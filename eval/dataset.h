@@ -38,8 +38,8 @@ struct PairSelection {
 
 // pairs.txt: per line `source target overlap ...` and, as the last 16 numbers, row-major T_target_source.
 // poses.txt: TUM (sensor to world, one line per scan in name order) or lines `id` + 16 numbers, row-major T_world_scan.
-// Pairs come from pairs.txt where it is, else from consecutive scans with poses. With neither file but strangers.txt
-// (strangers.h) there are none. Errors name the file and line.
+// Pairs come from pairs.txt where it is, else from consecutive scans with poses. With neither file but negatives.txt
+// (negatives.h) there are none. Errors name the file and line.
 absl::StatusOr<Dataset> LoadDataset(const std::string& folder, const PairSelection& selection = {});
 
 }  // namespace curvereg

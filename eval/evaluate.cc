@@ -13,23 +13,23 @@ namespace curvereg {
 namespace {
 
 // What is to be answered for: the names and the truth of each pair, still without a result.
-std::vector<PairOutcome> Questions(const Dataset& dataset, const std::vector<StrangerPair>& strangers) {
-  std::vector<PairOutcome> questions;
+std::vector<PairOutcome> PairsOf(const Dataset& dataset, const std::vector<NegativePair>& negatives) {
+  std::vector<PairOutcome> pairs;
   for (const ScanPair& pair : dataset.pairs) {
-    PairOutcome question;
-    question.source = pair.source;
-    question.target = pair.target;
-    question.true_T_target_source = pair.T_target_source;
-    question.overlap = pair.overlap;
-    questions.push_back(std::move(question));
+    PairOutcome outcome;
+    outcome.source = pair.source;
+    outcome.target = pair.target;
+    outcome.true_T_target_source = pair.T_target_source;
+    outcome.overlap = pair.overlap;
+    pairs.push_back(std::move(outcome));
   }
-  for (const StrangerPair& pair : strangers) {
-    PairOutcome question;
-    question.source = pair.source;
-    question.target = pair.target;
-    questions.push_back(std::move(question));
+  for (const NegativePair& pair : negatives) {
+    PairOutcome outcome;
+    outcome.source = pair.source;
+    outcome.target = pair.target;
+    pairs.push_back(std::move(outcome));
   }
-  return questions;
+  return pairs;
 }
 
 // The scans of a data set by name.
@@ -60,8 +60,8 @@ bool EndsEvaluation(const absl::Status& error) {
 }
 
 // The error of the call goes into `failure`, unless it ends the evaluation.
-absl::Status Answer(const EvaluationOptions& options, const RegistrationOptions& registration, ScanShelf& shelf,
-                    PairOutcome& outcome, absl::Status& failure) {
+absl::Status RegisterPair(const EvaluationOptions& options, const RegistrationOptions& registration, ScanShelf& shelf,
+                          PairOutcome& outcome, absl::Status& failure) {
   const auto source = shelf.Get(outcome.source);
   if (!source.ok()) return source.status();
   const auto target = shelf.Get(outcome.target);
@@ -83,14 +83,14 @@ absl::Status Answer(const EvaluationOptions& options, const RegistrationOptions&
 
 }  // namespace
 
-absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<StrangerPair>& strangers,
+absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<NegativePair>& negatives,
                                     const EvaluationOptions& options) {
-  const std::vector<PairOutcome> questions = Questions(dataset, strangers);
-  if (questions.empty()) return absl::InvalidArgumentError(absl::StrCat(dataset.folder, ": no pair to register"));
+  const std::vector<PairOutcome> pairs = PairsOf(dataset, negatives);
+  if (pairs.empty()) return absl::InvalidArgumentError(absl::StrCat(dataset.folder, ": no pair to register"));
 
   ScanShelf shelf(dataset, options.load_scan);
   EvaluationProgress progress;
-  progress.num_total = static_cast<int>(questions.size() * options.methods.size());
+  progress.num_total = static_cast<int>(pairs.size() * options.methods.size());
   Evaluation evaluation{.dataset = dataset.folder, .methods = {}};
   absl::Status failure;
   int num_failures = 0;
@@ -99,11 +99,11 @@ absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<St
     registration.method = method;
     MethodEvaluation& run = evaluation.methods.emplace_back();
     run.method = method;
-    run.outcomes = questions;
+    run.outcomes = pairs;
     for (PairOutcome& outcome : run.outcomes) {
       // Asked here, too: pairs whose registrations are over in no time would never notice.
       if (registration.cancellation.stop_requested()) return absl::CancelledError("interrupted");
-      const absl::Status status = Answer(options, registration, shelf, outcome, failure);
+      const absl::Status status = RegisterPair(options, registration, shelf, outcome, failure);
       if (!status.ok()) return status;
       num_failures += !outcome.error.empty();
       ++progress.num_done;

@@ -13,8 +13,8 @@
 #include "core/methods/registration_options.h"
 #include "eval/dataset.h"
 #include "eval/metrics.h"
+#include "eval/negative_pairs.h"
 #include "eval/scan_cache.h"
-#include "eval/strangers.h"
 
 namespace curvereg {
 
@@ -38,7 +38,7 @@ struct EvaluationOptions {
 
 struct MethodEvaluation {
   Method method = Method::kCurvelet;
-  std::vector<PairOutcome> outcomes;  // the data set's pairs in order, then its strangers
+  std::vector<PairOutcome> outcomes;  // the data set's pairs in order, then its negative pairs
   MethodSummary summary;
 };
 
@@ -51,7 +51,7 @@ struct Evaluation {
 // that cannot be read, and CANCELLED, UNAVAILABLE, UNAUTHENTICATED or PERMISSION_DENIED, end the evaluation with that
 // error. When no registration at all could be done, the error of the last. INVALID_ARGUMENT: nothing to evaluate, or a
 // pair names a scan that the data set does not have.
-absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<StrangerPair>& strangers,
+absl::StatusOr<Evaluation> Evaluate(const Dataset& dataset, const std::vector<NegativePair>& negatives,
                                     const EvaluationOptions& options);
 
 }  // namespace curvereg

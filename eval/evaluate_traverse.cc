@@ -128,7 +128,7 @@ void CountLinks(const Dataset& dataset, TraverseEvaluation& evaluation) {
     const auto& T_world_target = dataset.T_world_scan[link.target];
     if (!T_world_source || !T_world_target) continue;
     const TransformDifference error =
-        Difference(T_world_target->inverse() * *T_world_source, link.result.T_target_source);
+        Difference(T_world_target->inverse() * *T_world_source, *link.result.T_target_source);
     if (error.translation_m >= bounds.translation_m || error.rotation_rad >= bounds.rotation_rad) {
       ++evaluation.num_accepted_wrong_links;
     }

@@ -7,7 +7,7 @@
 namespace curvereg {
 namespace {
 
-// Counts that pairs and strangers share.
+// Counts that pairs and negatives share.
 void CountVerdict(const PairOutcome& outcome, bool ok, MethodSummary& summary) {
   const bool accepted = outcome.result.verdict.accepted;
   summary.ok += ok;
@@ -20,8 +20,8 @@ void CountVerdict(const PairOutcome& outcome, bool ok, MethodSummary& summary) {
 }  // namespace
 
 TransformDifference PoseError(const PairOutcome& outcome) {
-  if (!outcome.result.has_pose || !outcome.true_T_target_source) return {kUnknown, kUnknown};
-  return Difference(*outcome.true_T_target_source, outcome.result.T_target_source);
+  if (!outcome.result.T_target_source || !outcome.true_T_target_source) return {kUnknown, kUnknown};
+  return Difference(*outcome.true_T_target_source, *outcome.result.T_target_source);
 }
 
 bool IsOk(const PairOutcome& outcome, const SuccessBounds& bounds) {
@@ -36,12 +36,12 @@ MethodSummary Summarise(std::span<const PairOutcome> outcomes, const SuccessBoun
     const bool ok = IsOk(outcome, bounds);
     CountVerdict(outcome, ok, summary);
     if (!outcome.true_T_target_source) {
-      ++summary.strangers;
-      summary.strangers_accepted += outcome.result.verdict.accepted;
+      ++summary.negatives;
+      summary.negatives_accepted += outcome.result.verdict.accepted;
       continue;
     }
     ++summary.pairs;
-    summary.no_pose += !outcome.result.has_pose;
+    summary.no_pose += !outcome.result.T_target_source.has_value();
     const TransformDifference error = PoseError(outcome);
     translations.push_back(error.translation_m);
     rotations.push_back(error.rotation_rad);

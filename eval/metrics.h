@@ -22,7 +22,7 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 struct PairOutcome {
   std::string source;
   std::string target;
-  std::optional<RigidTransform> true_T_target_source;  // nullopt: strangers, two scans that share no ground
+  std::optional<RigidTransform> true_T_target_source;  // nullopt: negatives, two scans that share no ground
   double overlap = -1.0;                               // as in ScanPair
   RegistrationResult result;                           // born rejected; stays so when the call failed
   std::string error;                                   // why the call could not be done; empty when it was
@@ -38,7 +38,7 @@ struct SuccessBounds {
 // |t - t_true| [m] and the angle of R_true^T R [rad]; NaN without a pose or without truth.
 TransformDifference PoseError(const PairOutcome& outcome);
 
-// True when there is a pose and its error is below both bounds. Strangers never are.
+// True when there is a pose and its error is below both bounds. Negative pairs never are.
 bool IsOk(const PairOutcome& outcome, const SuccessBounds& bounds = {});
 
 // The figures of one method. Every pair with truth counts in `pairs`, also those whose call failed.
@@ -46,14 +46,14 @@ bool IsOk(const PairOutcome& outcome, const SuccessBounds& bounds = {});
 // they are never ok. Figures over no pair at all are NaN. Seconds are those of pairs with truth.
 struct MethodSummary {
   int pairs = 0;      // with truth
-  int strangers = 0;  // pairs that share no ground
+  int negatives = 0;  // pairs that share no ground
   int ok = 0;
-  int accepted = 0;        // of pairs and strangers
-  int accepted_wrong = 0;  // accepted but not ok; an accepted pair of strangers is always wrong
+  int accepted = 0;        // of pairs and negative pairs
+  int accepted_wrong = 0;  // accepted but not ok; an accepted pair of negatives is always wrong
   int rejected_right = 0;  // ok but rejected
   int no_pose = 0;         // of pairs
-  int failed_calls = 0;    // of pairs and strangers: no answer but an error
-  int strangers_accepted = 0;
+  int failed_calls = 0;    // of pairs and negative pairs: no answer but an error
+  int negatives_accepted = 0;
   double rmse_translation_m = kUnknown;
   double rmse_rotation_rad = kUnknown;
   double median_translation_m = kUnknown;

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/methods/registration_names.h"
 #include "eval/distribution.h"
 #include "eval/report_files.h"
 #include "eval/report_html.h"
@@ -69,8 +70,8 @@ std::vector<std::optional<RigidTransform>> EstimatedPoses(
   std::map<std::string, int> index_of = IndexByName(dataset);
   std::vector<RelativePose> edges;
   for (const PairOutcome& outcome : run.outcomes) {
-    if (!outcome.result.has_pose || !outcome.result.verdict.accepted) continue;
-    edges.push_back({index_of[outcome.source], index_of[outcome.target], outcome.result.T_target_source});
+    if (!outcome.result.T_target_source || !outcome.result.verdict.accepted) continue;
+    edges.push_back({index_of[outcome.source], index_of[outcome.target], *outcome.result.T_target_source});
   }
   return PlaceScans(static_cast<int>(dataset.scan_names.size()), edges, true_T_world_scan).T_world_scan;
 }

@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "core/methods/registration_names.h"
 
 namespace curvereg {
 namespace {
@@ -46,7 +47,7 @@ std::string SummaryRow(const MethodEvaluation& run) {
   return absl::StrCat("<tr><td>", std::string(MethodName(run.method)), "</td>", Cell(absl::StrCat(s.pairs)),
                       Cell(absl::StrCat(s.ok)), Cell(absl::StrCat(s.accepted)), CountCell(s.accepted_wrong, true),
                       CountCell(s.rejected_right, false), CountCell(s.no_pose, false),
-                      Cell(absl::StrCat(s.strangers_accepted, " of ", s.strangers)), Cell(Number(s.rmse_translation_m)),
+                      Cell(absl::StrCat(s.negatives_accepted, " of ", s.negatives)), Cell(Number(s.rmse_translation_m)),
                       Cell(Number(s.median_translation_m)), Cell(Number(s.rmse_rotation_rad)),
                       Cell(Number(s.median_rotation_rad)), Cell(Number(s.rmse_ok_translation_m)),
                       Cell(Number(s.rmse_ok_rotation_rad)), Cell(Number(s.median_s)), Cell(Number(s.p95_s)), "</tr>\n");
@@ -56,7 +57,7 @@ std::string SummaryTable(const Evaluation& evaluation) {
   std::string table = "<table>\n";
   absl::StrAppend(
       &table, HeaderRow({"method", "pairs", "ok", "accepted", "accepted<br>wrong", "rejected<br>right", "no pose",
-                         "strangers<br>accepted", "RMSE<br>[m]", "median<br>[m]", "RMSE<br>[rad]", "median<br>[rad]",
+                         "negatives<br>accepted", "RMSE<br>[m]", "median<br>[m]", "RMSE<br>[rad]", "median<br>[rad]",
                          "RMSE ok<br>[m]", "RMSE ok<br>[rad]", "median<br>[s]", "p95<br>[s]"}));
   for (const MethodEvaluation& run : evaluation.methods) absl::StrAppend(&table, SummaryRow(run));
   return absl::StrCat(table, "</table>\n");
@@ -67,8 +68,8 @@ std::string Judgement(const PairOutcome& outcome) {
   const bool ok = IsOk(outcome);
   if (outcome.result.verdict.accepted) return ok ? "right" : "accepted wrong";
   if (ok) return "rejected right";
-  if (!outcome.true_T_target_source) return "strangers rejected";
-  return outcome.result.has_pose ? "rejected wrong" : "no pose";
+  if (!outcome.true_T_target_source) return "negative rejected";
+  return outcome.result.T_target_source.has_value() ? "rejected wrong" : "no pose";
 }
 
 std::string Reasons(const PairOutcome& outcome) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "eval/report_json.h"
 
+#include "core/methods/registration_names.h"
 #include "files/json.h"
 #include "files/result_json.h"
 
@@ -19,11 +20,11 @@ Json OutcomeJson(const PairOutcome& outcome) {
   json["translation_error_m"] = error.translation_m;
   json["rotation_error_rad"] = error.rotation_rad;
   json["seconds"] = outcome.seconds;
-  json["strangers"] = !outcome.true_T_target_source.has_value();
+  json["negative"] = !outcome.true_T_target_source.has_value();
   json["overlap"] = outcome.overlap < 0.0 ? Json() : Json(outcome.overlap);
   json["error"] = outcome.error.empty() ? Json() : Json(outcome.error);
   json["reasons"] = ReasonsJson(result.verdict.reasons);
-  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : Json();
+  json["T_target_source"] = result.T_target_source ? MatrixJson(result.T_target_source->matrix()) : Json();
   json["evidence"] = EvidenceJson(result.evidence);
   return json;
 }
@@ -40,8 +41,8 @@ Json MethodJson(const MethodEvaluation& run) {
           {"rejected_right", s.rejected_right},
           {"no_pose", s.no_pose},
           {"failed_calls", s.failed_calls},
-          {"strangers", s.strangers},
-          {"strangers_accepted", s.strangers_accepted},
+          {"negatives", s.negatives},
+          {"negatives_accepted", s.negatives_accepted},
           {"rmse_translation_m", s.rmse_translation_m},
           {"rmse_rotation_rad", s.rmse_rotation_rad},
           {"median_translation_m", s.median_translation_m},

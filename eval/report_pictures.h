@@ -13,8 +13,8 @@
 
 namespace curvereg {
 
-// Draws the figures and writes `folder`/report.html: the content with a titled picture of each, or with a note that
-// tells why there are none. Returns the note, empty when all went well; errors of WriteFileAtomically.
+// Draws the figures and writes `folder`/report.html: the content with a titled picture of each, or with a note on why
+// there are none. Returns the note, empty when the figures were drawn; errors of WriteFileAtomically.
 absl::StatusOr<std::string> WritePage(const std::string& folder, const FigureOptions& figures, Drawing drawing,
                                       HtmlPageContent content);
 

@@ -30,10 +30,11 @@ struct ErrorStatistics {
 
 struct TrajectoryErrors {
   int num_poses = 0;
-  // `evo_ape tum truth estimate --align`: positions after the rigid transform (no scale) that lays the estimate on the
-  // truth best [Umeyama 1991]. Fewer than three poses, or poses on one line: after laying the first pose on its truth.
+  // `evo_ape tum truth estimate --align`: positions after the rigid transform (no scale) that best aligns the estimate
+  // to the truth [Umeyama 1991]. Fewer than three poses, or poses on one line: with the first pose aligned to its
+  // truth.
   ErrorStatistics ape_m;
-  // `evo_ape ... --align_origin`: positions after laying the first pose on its truth. What the operator at the landing
+  // `evo_ape ... --align_origin`: positions with the first pose aligned to its truth. What the operator at the landing
   // site sees.
   ErrorStatistics drift_m;
   double drift_at_end_m = std::numeric_limits<double>::quiet_NaN();

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/methods/registration_names.h"
 #include "eval/distribution.h"
 #include "eval/report_files.h"
 #include "eval/report_html.h"

@@ -3,7 +3,7 @@
 //
 // Writes the evaluation of a traverse into a folder:
 //   traverse.json                                          what `evaluate --mode traverse --json` prints
-//   trajectory_truth.tum, _tracked.tum, _optimised.tum     estimates laid on the truth by their first poses
+//   trajectory_truth.tum, _tracked.tum, _optimised.tum     estimates aligned to the truth by their first poses
 //   map_optimised.ply                                      the scans merged at the optimised poses, thinned
 //   figure_*.png, report.html                              the pictures, and everything in one page
 // Estimates are those of the segment that was measured.

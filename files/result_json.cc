@@ -3,11 +3,15 @@
 #include "files/result_json.h"
 #include "files/json.h"
 
+#include <optional>
+
+#include "core/methods/registration_names.h"
+
 namespace curvereg {
 namespace {
 
-// -1 says that the method does not compute the measure.
-Json MeasureJson(double value) { return value == -1.0 ? Json() : Json(value); }
+// Null: the method does not compute the measure.
+Json MeasureJson(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 Json DegenerateDirectionsJson(const std::vector<DegenerateDirection>& directions) {
   Json json = Json::Array();
@@ -62,8 +66,8 @@ Json ResultJson(const RegistrationResult& result) {
   Json json;
   json["accepted"] = result.verdict.accepted;
   json["reasons"] = ReasonsJson(result.verdict.reasons);
-  json["T_target_source"] = result.has_pose ? MatrixJson(result.T_target_source.matrix()) : Json();
-  json["covariance"] = result.has_covariance ? MatrixJson(result.covariance) : Json();
+  json["T_target_source"] = result.T_target_source ? MatrixJson(result.T_target_source->matrix()) : Json();
+  json["covariance"] = result.covariance ? MatrixJson(*result.covariance) : Json();
   json["degenerate_directions"] = DegenerateDirectionsJson(result.degenerate_directions);
   json["evidence"] = EvidenceJson(result.evidence);
   json["stage_times"] = std::move(stages);

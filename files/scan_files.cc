@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 // Text files beside the scans that are not scans.
 bool IsNote(const fs::path& path) {
-  constexpr std::array<std::string_view, 7> kNotes = {"readme",    "licen",      "poses",   "pairs",
-                                                      "strangers", "trajectory", "odometry"};
+  constexpr std::array<std::string_view, 8> kNotes = {"readme",    "licen",     "poses",      "pairs",
+                                                      "negatives", "strangers", "trajectory", "odometry"};
   const std::string stem = absl::AsciiStrToLower(path.stem().string());
   return std::any_of(kNotes.begin(), kNotes.end(), [&](std::string_view note) { return stem.starts_with(note); });
 }

@@ -11,8 +11,8 @@
 #include "curvereg/v1/registration_service.pb.h"
 #include "curvereg/v1/traverse_service.pb.h"
 #include "fuzz/request_checks.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/result_conversion.h"
 #include "wire/status_mapping.h"
 #include "wire/trajectory_conversion.h"
 

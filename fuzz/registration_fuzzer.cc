@@ -16,8 +16,8 @@
 #include "server/preparation/prepared_scan_cache.h"
 #include "server/preparation/scan_side.h"
 #include "server/registration/registration_service.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/options_conversion.h"
 
 namespace curvereg::server {
 namespace {

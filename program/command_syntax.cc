@@ -74,6 +74,10 @@ OptionSyntax CommandSyntax::AddFlag(const std::string& name, bool& value, const 
   return OptionSyntax(app_->add_flag(name, value, help));
 }
 
+OptionSyntax CommandSyntax::AddFlagAction(const std::string& name, const std::function<void()>& action) {
+  return OptionSyntax(app_->add_flag_callback(name, action));
+}
+
 OptionSyntax CommandSyntax::AddOption(const std::string& name, std::string& value, const std::string& help) {
   return OptionSyntax(app_->add_option(name, value, help));
 }

@@ -51,6 +51,7 @@ class CommandSyntax {
   void RequireCommand();  // exactly one of those added
 
   OptionSyntax AddFlag(const std::string& name, bool& value, const std::string& help);
+  OptionSyntax AddFlagAction(const std::string& name, const std::function<void()>& action);  // called when it is given
   OptionSyntax AddOption(const std::string& name, std::string& value, const std::string& help);
   OptionSyntax AddOption(const std::string& name, std::vector<std::string>& values, const std::string& help);
   OptionSyntax AddOption(const std::string& name, double& value, const std::string& help);

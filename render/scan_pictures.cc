@@ -198,7 +198,7 @@ class Drawing {
     if (!features.ok()) return features.status();
     const Image<float>& conditioned = (*features)->image.values;
     Image<float> tapered = conditioned;
-    TaperBorder(options.taper_px, tapered);
+    Apodize(options.taper_px, tapered);
     if (absl::Status status = AddDifferences(view, tapered, options.bands); !status.ok()) return status;
     if (!Wants(PictureKind::kKeypoints)) return absl::OkStatus();
     AddKeypoints(view, conditioned, (*features)->features.keypoints, options.bands.num_scales);

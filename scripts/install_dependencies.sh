@@ -23,13 +23,13 @@ declare -A PACKAGES=(
     libssl-dev libsqlite3-dev libzstd-dev libisal-dev libspdlog-dev prometheus-cpp-dev libcivetweb-dev
     libtomlplusplus-dev
     openssl prometheus python3 python3-grpcio python3-protobuf"
-  # what the built executables load, without the paper's rivals: the container image has these and nothing else of ours
+  # what the built executables load, without the paper's baselines: the container image has these and nothing else of ours
   # (OpenCV is part of the executables; LAPACK and BLAS, which it asks for, come with libceres3)
   [runtime]="
     libstdc++6 libgrpc++1.51 libgrpc29 libprotobuf32 libabsl20220623 libssl3 libsqlite3-0 libzstd1 libisal2
     libspdlog1.10 libtomlplusplus3 libprometheus-cpp-core1.0 libcivetweb1
     libceres3 libfftw3-double3 libfftw3-single3 libtbb12 libxxhash0 liblz4-1 libpng16-16 zlib1g"
-  # the paper's rivals (-DCURVEREG_BUILD_BASELINES=OFF does without; by far the largest download)
+  # the paper's baselines (-DCURVEREG_BUILD_BASELINES=OFF does without; by far the largest download)
   [baselines]="libpcl-dev"
   # the figures of the evaluation report
   [plots]="python3 python3-matplotlib"

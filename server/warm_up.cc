@@ -74,7 +74,8 @@ absl::Status WarmUp() {
   const RigidTransform T_world_source = MastPose(1.5, 0.8, 0.3);
   const auto result = RegisterScans(ScanGround(T_world_source), ScanGround(T_world_target));
   if (!result.ok()) return absl::InternalError(absl::StrCat("warm-up registration: ", result.status().message()));
-  const TransformDifference error = Difference(T_world_target.inverse() * T_world_source, result->T_target_source);
+  const TransformDifference error = Difference(T_world_target.inverse() * T_world_source,
+                                               result->T_target_source.value_or(RigidTransform::Identity()));
   if (!result->verdict.accepted || error.translation_m > kMaxErrorM || error.rotation_rad > kMaxErrorRad) {
     return absl::InternalError(absl::StrCat("warm-up registration is off by ", error.translation_m, " m, ",
                                             error.rotation_rad, " rad, accepted: ", result->verdict.accepted));

@@ -16,7 +16,7 @@ constexpr std::array<Preset, 9> kPresets = {{
     {"outliers", "sparse with 15 % of the ranges wrong"},
     {"flat", "mars-yard-sim with all heights scaled by 0.1"},
     {"gale", "30 scans, 8 m apart, on an elevation model from a file, e.g. HiRISE of Gale crater"},
-    {"strangers", "40 scans of 40 worlds; 200 pairs that share no ground and must not be accepted"},
+    {"negatives", "40 scans of 40 worlds; 200 pairs that do not overlap and must not be accepted"},
 }};
 
 constexpr double kDegree = 0.017453292519943295;
@@ -94,8 +94,8 @@ std::optional<SimulationOptions> PresetOptions(std::string_view name) {
     options.world.relief = 0.1;
     return options;
   }
-  if (name == "strangers") {
-    options.strangers = true;
+  if (name == "negatives" || name == "strangers") {
+    options.separate_worlds = true;
     return options;
   }
   return std::nullopt;

@@ -21,7 +21,8 @@ struct Preset {
 // All presets in the order in which a person wants to read them.
 std::span<const Preset> Presets();
 
-// Options of a preset; nullopt for an unknown name. `gale` has no elevation file yet: set world.elevation.path.
+// Options of a preset; nullopt for an unknown name. `gale` has no elevation file yet: set
+// world.elevation.path. `strangers`, the name of `negatives` before, is known in this release only.
 std::optional<SimulationOptions> PresetOptions(std::string_view name);
 
 }  // namespace curvereg::sim

@@ -69,7 +69,7 @@ std::vector<double> RandomYaws(uint64_t seed, int num_scans) {
 }
 
 // Yard, nearly flat yard, dome and rough ground in turn, each of its own size and shape.
-SimulationOptions StrangerOptions(const SimulationOptions& base, int index) {
+SimulationOptions OptionsOfWorld(const SimulationOptions& base, int index) {
   SimulationOptions options = base;
   RandomStream random(SubKey(SubKey(base.seed, kKindStream), static_cast<uint64_t>(index)));
   const double relief = random.Uniform();
@@ -106,9 +106,9 @@ absl::StatusOr<Simulation> Simulation::Create(const SimulationOptions& options) 
   const uint64_t world_key = SubKey(options.seed, kWorldStream);
   const uint64_t drive_key = SubKey(options.seed, kDriveStream);
   const std::vector<double> yaws = RandomYaws(options.seed, options.num_scans);
-  const int num_worlds = options.strangers ? options.num_scans : 1;
+  const int num_worlds = options.separate_worlds ? options.num_scans : 1;
   for (int i = 0; i < num_worlds; ++i) {
-    const SimulationOptions own = options.strangers ? StrangerOptions(options, i) : options;
+    const SimulationOptions own = options.separate_worlds ? OptionsOfWorld(options, i) : options;
     absl::StatusOr<World> world = MakeWorld(own.world, SubKey(world_key, static_cast<uint64_t>(i)));
     if (!world.ok()) return world.status();
     const absl::StatusOr<std::vector<Waypoint>> stops =
@@ -116,8 +116,8 @@ absl::StatusOr<Simulation> Simulation::Create(const SimulationOptions& options) 
     if (!stops.ok()) return stops.status();
     if (own.world.clear_drive) world = ClearedAlong(*world, *stops, own.rover);
     for (int scan = 0; scan < options.num_scans; ++scan) {
-      if (options.strangers && scan != i) continue;
-      const double yaw = options.random_yaw || options.strangers ? yaws[static_cast<std::size_t>(scan)] : 0.0;
+      if (options.separate_worlds && scan != i) continue;
+      const double yaw = options.random_yaw || options.separate_worlds ? yaws[static_cast<std::size_t>(scan)] : 0.0;
       const absl::StatusOr<RigidTransform> pose = PoseAt(*world, (*stops)[static_cast<std::size_t>(scan)], own, yaw);
       if (!pose.ok()) return pose.status();
       simulation.T_world_scan_.push_back(*pose);
@@ -132,9 +132,9 @@ Scan Simulation::ScanAt(int index) const {
   return SimulateScan(world(index), T_world_scan(index), options_.scanner, key);
 }
 
-std::vector<std::pair<int, int>> Simulation::Strangers() const {
+std::vector<std::pair<int, int>> Simulation::NegativePairs() const {
   std::vector<std::pair<int, int>> pairs;
-  if (!options_.strangers) return pairs;
+  if (!options_.separate_worlds) return pairs;
   // Worlds of the same kind lie four apart: three partners of its own kind for each scan, and two of others.
   constexpr std::array<int, 5> kOffsets = {1, 2, 4, 8, 12};
   for (const int offset : kOffsets) {

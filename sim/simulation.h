@@ -27,15 +27,15 @@ class Simulation {
   const SimulationOptions& options() const { return options_; }
   int num_scans() const { return static_cast<int>(T_world_scan_.size()); }
 
-  // True pose of the sensor at scan `index`; a world of its own per scan where options.strangers is set.
+  // True pose of the sensor at scan `index`; a world of its own per scan where options.separate_worlds is set.
   const RigidTransform& T_world_scan(int index) const { return T_world_scan_[static_cast<std::size_t>(index)]; }
   const World& world(int index) const { return *worlds_[static_cast<std::size_t>(index) % worlds_.size()]; }
 
   // The scan, in parallel over beams (core/base/parallel.h). The same bytes each time and at any thread count.
   Scan ScanAt(int index) const;
 
-  // Pairs (source, target) of scans that share no ground; empty unless options.strangers is set.
-  std::vector<std::pair<int, int>> Strangers() const;
+  // Pairs (source, target) of scans that share no ground; empty unless options.separate_worlds is set.
+  std::vector<std::pair<int, int>> NegativePairs() const;
 
  private:
   explicit Simulation(const SimulationOptions& options) : options_(options) {}

@@ -35,10 +35,10 @@ struct SimulationOptions {
   TraverseOptions traverse = {};
   RoverOptions rover = {};
   ScannerOptions scanner = {};
-  bool random_yaw = false;  // the sensor is turned anyhow on its mast at each scan
+  bool random_yaw = false;  // arbitrary heading of the sensor on its mast at each scan
   // Each scan stands in a world of its own, of any kind: yards, nearly flat ones, rough ones, domes. The pairs of
-  // Simulation::strangers() share no ground.
-  bool strangers = false;
+  // Simulation::NegativePairs() do not overlap.
+  bool separate_worlds = false;
 };
 
 // OK, or INVALID_ARGUMENT that names the first option out of its range.

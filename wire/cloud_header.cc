@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/geometry_conversion.h"
 #include "wire/plain_text.h"
 #include "wire/point_layout.h"
 

@@ -3,7 +3,9 @@
 #include "wire/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <utility>
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
@@ -32,6 +34,41 @@ std::optional<Detail> DetailOf(const absl::Status& status) {
   return detail;
 }
 
+// Reasons that are not here are never sent.
+constexpr std::array<std::pair<v1::ErrorReason, absl::StatusCode>, 32> kCodes = {
+    {{v1::ERROR_REASON_INVALID_FIELD, absl::StatusCode::kInvalidArgument},
+     {v1::ERROR_REASON_UNUSABLE_SCAN, absl::StatusCode::kInvalidArgument},
+     {v1::ERROR_REASON_UNEXPECTED_MESSAGE, absl::StatusCode::kInvalidArgument},
+     {v1::ERROR_REASON_CHECKSUM_MISMATCH, absl::StatusCode::kDataLoss},
+     {v1::ERROR_REASON_DIGEST_MISMATCH, absl::StatusCode::kDataLoss},
+     {v1::ERROR_REASON_MALFORMED_PAYLOAD, absl::StatusCode::kDataLoss},
+     {v1::ERROR_REASON_STORED_SCAN_DAMAGED, absl::StatusCode::kDataLoss},
+     {v1::ERROR_REASON_SCAN_NOT_FOUND, absl::StatusCode::kNotFound},
+     {v1::ERROR_REASON_UPLOAD_NOT_FOUND, absl::StatusCode::kNotFound},
+     {v1::ERROR_REASON_TRAVERSE_NOT_FOUND, absl::StatusCode::kNotFound},
+     {v1::ERROR_REASON_OFFSET_OUT_OF_RANGE, absl::StatusCode::kOutOfRange},
+     {v1::ERROR_REASON_SEQUENCE_OUT_OF_RANGE, absl::StatusCode::kOutOfRange},
+     {v1::ERROR_REASON_WRITER_REPLACED, absl::StatusCode::kAborted},
+     {v1::ERROR_REASON_UPLOAD_DIFFERS, absl::StatusCode::kFailedPrecondition},
+     {v1::ERROR_REASON_SEQUENCE_DIFFERS, absl::StatusCode::kFailedPrecondition},
+     {v1::ERROR_REASON_SCAN_IN_USE, absl::StatusCode::kFailedPrecondition},
+     {v1::ERROR_REASON_SCAN_TOO_LARGE, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_QUEUE_FULL, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_CLIENT_QUOTA, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_MEMORY_BUDGET, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_TOO_MANY_UPLOADS, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_STORAGE_FULL, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_TOO_MANY_TRAVERSES, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_TRAVERSE_FULL, absl::StatusCode::kResourceExhausted},
+     {v1::ERROR_REASON_NOT_SERVING, absl::StatusCode::kUnavailable},
+     {v1::ERROR_REASON_STORAGE_FAULT, absl::StatusCode::kUnavailable},
+     {v1::ERROR_REASON_METHOD_UNAVAILABLE, absl::StatusCode::kUnimplemented},
+     {v1::ERROR_REASON_DEADLINE_EXCEEDED, absl::StatusCode::kDeadlineExceeded},
+     {v1::ERROR_REASON_CANCELLED, absl::StatusCode::kCancelled},
+     {v1::ERROR_REASON_UNAUTHENTICATED, absl::StatusCode::kUnauthenticated},
+     {v1::ERROR_REASON_SCOPE_MISSING, absl::StatusCode::kPermissionDenied},
+     {v1::ERROR_REASON_TRAVERSE_EXISTS, absl::StatusCode::kAlreadyExists}}};
+
 }  // namespace
 
 std::string ReasonName(v1::ErrorReason reason) {
@@ -46,56 +83,10 @@ std::optional<v1::ErrorReason> ReasonFromName(std::string_view name) {
 }
 
 absl::StatusCode ReasonCode(v1::ErrorReason reason) {
-  switch (reason) {
-    case v1::ERROR_REASON_INVALID_FIELD:
-    case v1::ERROR_REASON_UNUSABLE_SCAN:
-    case v1::ERROR_REASON_UNEXPECTED_MESSAGE:
-      return absl::StatusCode::kInvalidArgument;
-    case v1::ERROR_REASON_CHECKSUM_MISMATCH:
-    case v1::ERROR_REASON_DIGEST_MISMATCH:
-    case v1::ERROR_REASON_MALFORMED_PAYLOAD:
-    case v1::ERROR_REASON_STORED_SCAN_DAMAGED:
-      return absl::StatusCode::kDataLoss;
-    case v1::ERROR_REASON_SCAN_NOT_FOUND:
-    case v1::ERROR_REASON_UPLOAD_NOT_FOUND:
-    case v1::ERROR_REASON_TRAVERSE_NOT_FOUND:
-      return absl::StatusCode::kNotFound;
-    case v1::ERROR_REASON_OFFSET_OUT_OF_RANGE:
-    case v1::ERROR_REASON_SEQUENCE_OUT_OF_RANGE:
-      return absl::StatusCode::kOutOfRange;
-    case v1::ERROR_REASON_WRITER_REPLACED:
-      return absl::StatusCode::kAborted;
-    case v1::ERROR_REASON_UPLOAD_DIFFERS:
-    case v1::ERROR_REASON_SEQUENCE_DIFFERS:
-    case v1::ERROR_REASON_SCAN_IN_USE:
-      return absl::StatusCode::kFailedPrecondition;
-    case v1::ERROR_REASON_SCAN_TOO_LARGE:
-    case v1::ERROR_REASON_QUEUE_FULL:
-    case v1::ERROR_REASON_CLIENT_QUOTA:
-    case v1::ERROR_REASON_MEMORY_BUDGET:
-    case v1::ERROR_REASON_TOO_MANY_UPLOADS:
-    case v1::ERROR_REASON_STORAGE_FULL:
-    case v1::ERROR_REASON_TOO_MANY_TRAVERSES:
-    case v1::ERROR_REASON_TRAVERSE_FULL:
-      return absl::StatusCode::kResourceExhausted;
-    case v1::ERROR_REASON_NOT_SERVING:
-    case v1::ERROR_REASON_STORAGE_FAULT:
-      return absl::StatusCode::kUnavailable;
-    case v1::ERROR_REASON_METHOD_UNAVAILABLE:
-      return absl::StatusCode::kUnimplemented;
-    case v1::ERROR_REASON_DEADLINE_EXCEEDED:
-      return absl::StatusCode::kDeadlineExceeded;
-    case v1::ERROR_REASON_CANCELLED:
-      return absl::StatusCode::kCancelled;
-    case v1::ERROR_REASON_UNAUTHENTICATED:
-      return absl::StatusCode::kUnauthenticated;
-    case v1::ERROR_REASON_SCOPE_MISSING:
-      return absl::StatusCode::kPermissionDenied;
-    case v1::ERROR_REASON_TRAVERSE_EXISTS:
-      return absl::StatusCode::kAlreadyExists;
-    default:
-      return absl::StatusCode::kInternal;
+  for (const auto& [known, code] : kCodes) {
+    if (known == reason) return code;
   }
+  return absl::StatusCode::kInternal;
 }
 
 absl::Status MakeError(v1::ErrorReason reason, std::string_view message,

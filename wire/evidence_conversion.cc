@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "wire/error.h"
 
@@ -24,7 +25,7 @@ struct Count {
 };
 struct Measure {
   const char* name;
-  double Evidence::*member;
+  std::optional<double> Evidence::*member;
   bool (v1::Evidence::*has)() const;
   double (v1::Evidence::*get)() const;
   void (v1::Evidence::*set)(double);
@@ -45,7 +46,8 @@ constexpr std::array<Count, 6> kCounts = {
      {"hypothesis_count", &Ours::num_hypotheses, &Wire::hypothesis_count, &Wire::set_hypothesis_count},
      {"attempt_count", &Ours::num_attempts, &Wire::attempt_count, &Wire::set_attempt_count}}};
 
-// Shares may be a rounding error beyond their range; an unsure pose may have a runner-up that is infinitely surer.
+// Shares may be a rounding error beyond their range; the confidence of a pose may be 0, and then the ratio of
+// the runner-up is infinite.
 constexpr double kSlack = 1e-9;
 constexpr std::array<Measure, 9> kMeasures = {
     {{"source_overlap", &Ours::overlap_source, &Wire::has_source_overlap, &Wire::source_overlap,
@@ -67,8 +69,6 @@ constexpr std::array<Measure, 9> kMeasures = {
      {"runner_up_ratio", &Ours::runner_up_ratio, &Wire::has_runner_up_ratio, &Wire::runner_up_ratio,
       &Wire::set_runner_up_ratio, 0.0, kInfinity}}};
 
-constexpr double kNotComputed = -1.0;
-
 }  // namespace
 
 v1::Evidence ToWire(const Evidence& evidence) {
@@ -79,8 +79,8 @@ v1::Evidence ToWire(const Evidence& evidence) {
     (message.*count.set)(static_cast<uint32_t>(std::max(evidence.*count.member, 0)));
   }
   for (const Measure& measure : kMeasures) {
-    const double value = evidence.*measure.member;
-    if (value != kNotComputed && !std::isnan(value)) (message.*measure.set)(value);
+    const std::optional<double>& value = evidence.*measure.member;
+    if (value.has_value() && !std::isnan(*value)) (message.*measure.set)(*value);
   }
   return message;
 }

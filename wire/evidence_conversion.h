@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The evidence of a result, which conversion.h carries along.
+// The evidence of a result, which result_conversion.h carries along.
 #ifndef CURVEREG_WIRE_EVIDENCE_CONVERSION_H_
 #define CURVEREG_WIRE_EVIDENCE_CONVERSION_H_
 
@@ -11,7 +11,7 @@
 
 namespace curvereg::wire {
 
-// Measures that were not computed (-1), and any that are not a number, are absent.
+// Measures that were not computed, and any that are not a number, are absent.
 v1::Evidence ToWire(const Evidence& evidence);
 
 // INVALID_FIELD: a count that no scan can have, a measure outside its range.

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "wire/geometry_conversion.h"
+
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "wire/conversion.h"
 #include "wire/error.h"
 
 namespace curvereg::wire {

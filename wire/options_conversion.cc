@@ -1,14 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "wire/options_conversion.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "wire/conversion.h"
 #include "wire/duration.h"
 #include "wire/error.h"
+#include "wire/geometry_conversion.h"
 
 namespace curvereg::wire {
 namespace {

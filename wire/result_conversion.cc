@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "wire/result_conversion.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,10 +13,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "wire/conversion.h"
 #include "wire/duration.h"
 #include "wire/error.h"
 #include "wire/evidence_conversion.h"
+#include "wire/geometry_conversion.h"
 
 namespace curvereg::wire {
 namespace {
@@ -75,13 +77,11 @@ absl::Status ReadPose(const v1::RegistrationResult& message, RegistrationResult&
     absl::StatusOr<RigidTransform> T_target_source = FromWire(message.t_target_source());
     if (!T_target_source.ok()) return WithinField("t_target_source", T_target_source.status());
     result.T_target_source = *T_target_source;
-    result.has_pose = true;
   }
   if (message.has_covariance()) {
     absl::StatusOr<Matrix6d> covariance = FromWire(message.covariance());
     if (!covariance.ok()) return WithinField("covariance", covariance.status());
     result.covariance = *covariance;
-    result.has_covariance = true;
   }
   for (int i = 0; i < message.degenerate_directions_size(); ++i) {
     absl::StatusOr<DegenerateDirection> direction = DirectionFromWire(message.degenerate_directions(i));
@@ -106,22 +106,22 @@ absl::Status ReadTimes(const v1::RegistrationResult& message, RegistrationResult
 }
 
 // Of a measure that was computed; summaries carry floats.
-std::optional<float> Brief(double value) {
-  if (value < 0.0 || std::isnan(value)) return std::nullopt;
-  return static_cast<float>(value);
+std::optional<float> Brief(const std::optional<double>& value) {
+  if (!value.has_value() || *value < 0.0 || std::isnan(*value)) return std::nullopt;
+  return static_cast<float>(*value);
 }
 
 void SetPose(const RegistrationResult& result, v1::RegistrationSummary& summary) {
-  if (result.has_pose) {
-    for (int i = 0; i < 3; ++i) summary.add_translation(result.T_target_source.translation()[i]);
-    const v1::Quaternion rotation = ToWire(result.T_target_source).rotation();
+  if (result.T_target_source.has_value()) {
+    for (int i = 0; i < 3; ++i) summary.add_translation(result.T_target_source->translation()[i]);
+    const v1::Quaternion rotation = ToWire(*result.T_target_source).rotation();
     for (const double value : {rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
       summary.add_rotation(static_cast<float>(value));
     }
   }
-  if (result.has_covariance) {
+  if (result.covariance.has_value()) {
     for (int i = 0; i < 6; ++i) {
-      summary.add_sigma(static_cast<float>(std::sqrt(std::max(result.covariance(i, i), 0.0))));
+      summary.add_sigma(static_cast<float>(std::sqrt(std::max((*result.covariance)(i, i), 0.0))));
     }
   }
 }
@@ -130,8 +130,8 @@ void SetPose(const RegistrationResult& result, v1::RegistrationSummary& summary)
 
 v1::RegistrationResult ToWire(const RegistrationResult& result) {
   v1::RegistrationResult message;
-  if (result.has_pose) *message.mutable_t_target_source() = ToWire(result.T_target_source);
-  if (result.has_covariance) *message.mutable_covariance() = ToWire(result.covariance);
+  if (result.T_target_source) *message.mutable_t_target_source() = ToWire(*result.T_target_source);
+  if (result.covariance) *message.mutable_covariance() = ToWire(*result.covariance);
   message.mutable_verdict()->set_accepted(result.verdict.accepted);
   for (const Reason reason : result.verdict.reasons) message.mutable_verdict()->add_reasons(ReasonToWire(reason));
   for (const DegenerateDirection& direction : result.degenerate_directions) {
@@ -161,7 +161,8 @@ absl::StatusOr<RegistrationResult> FromWire(const v1::RegistrationResult& messag
   if (!verdict.ok()) return WithinField("verdict", verdict.status());
   result.verdict = *std::move(verdict);
   if (absl::Status status = ReadPose(message, result); !status.ok()) return status;
-  if (result.verdict.accepted && !result.has_pose) return FieldError("t_target_source", "missing, though accepted");
+  if (result.verdict.accepted && !result.T_target_source)
+    return FieldError("t_target_source", "missing, though accepted");
   absl::StatusOr<Evidence> evidence = FromWire(message.evidence());
   if (!evidence.ok()) return WithinField("evidence", evidence.status());
   result.evidence = *evidence;

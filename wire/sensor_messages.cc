@@ -10,7 +10,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "wire/cloud_header.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
 #include "wire/point_layout.h"

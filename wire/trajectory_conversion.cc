@@ -5,8 +5,8 @@
 #include <limits>
 #include <optional>
 
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/geometry_conversion.h"
 #include "wire/timestamp.h"
 
 namespace curvereg::wire {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Poses of a trajectory to and from the contract. As in conversion.h nothing is trusted: errors are INVALID_FIELD.
+// Poses of a trajectory to and from the contract. Errors as in geometry_conversion.h.
 #ifndef CURVEREG_WIRE_TRAJECTORY_CONVERSION_H_
 #define CURVEREG_WIRE_TRAJECTORY_CONVERSION_H_
 

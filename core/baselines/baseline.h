@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the paper's two rivals share: options, result, limits. Both are made of PCL's parts and know no verdict: they
+// What the paper's two baselines share: options, result, limits. Both are made of PCL's parts and know no verdict: they
 // answer the pose that their last step, ICP, ends with. Frames and units as in core/scan/scan.h.
 //
 // Cost: minutes per pair of 200k-point scans, on one thread; they exist to be compared with, not to be used.
@@ -42,16 +42,15 @@ struct BaselineOptions {
 absl::Status Validate(const BaselineOptions& options);
 
 struct BaselineResult {
-  RigidTransform T_target_source = RigidTransform::Identity();  // meaningful only when has_pose
-  bool has_pose = false;
+  std::optional<RigidTransform> T_target_source;
   bool converged = false;         // ICP ended because its steps became small
   std::optional<Reason> failure;  // why there is no pose (kTooFewFeatures, kNoConsensus), or kDeadline
   int num_source_keypoints = 0;   // points that have a descriptor
   int num_target_keypoints = 0;
-  int num_matches = 0;            // samples tried by SAC-IA; matched key points of Harris
-  int num_inliers = 0;            // source points with a partner at the last ICP step; before ICP: inliers of RANSAC
-  int num_iterations = 0;         // of ICP
-  double residual_rmse_m = -1.0;  // of those partners' distances; -1 before ICP
+  int num_matches = 0;     // samples tried by SAC-IA; matched key points of Harris
+  int num_inliers = 0;     // source points with a partner at the last ICP step; before ICP: inliers of RANSAC
+  int num_iterations = 0;  // of ICP
+  std::optional<double> residual_rmse_m;  // of those partners' distances; none before ICP
 };
 
 }  // namespace curvereg

@@ -93,7 +93,7 @@ double TruncatedError(const Surface& source, const Surface& target, const Eigen:
   return error;
 }
 
-// SAC-IA: of the poses that random samples give, the one with the least error. Leaves result.has_pose false when
+// SAC-IA: of the poses that random samples give, the one with the least error. Leaves result.T_target_source empty when
 // stopped before the first.
 void AlignBySamples(const DescribedSurface& source, const DescribedSurface& target, const BaselineOptions& options,
                     BaselineResult& result) {
@@ -112,8 +112,7 @@ void AlignBySamples(const DescribedSurface& source, const DescribedSurface& targ
     ++result.num_matches;
     if (error >= least_error) continue;
     least_error = error;
-    result.T_target_source.matrix() = T_target_source.cast<double>();
-    result.has_pose = true;
+    result.T_target_source.emplace().matrix() = T_target_source.cast<double>();
   }
 }
 
@@ -129,7 +128,7 @@ BaselineResult Run(const Scan& source_scan, const Scan& target_scan, const Basel
     return result;
   }
   AlignBySamples(source, target, options, result);
-  if (result.has_pose) pcl_common::RefineByIcp(source.surface, target.surface, options, result);
+  if (result.T_target_source.has_value()) pcl_common::RefineByIcp(source.surface, target.surface, options, result);
   return result;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's first rival: normals, an FPFH descriptor at every point, sample consensus initial alignment (SAC-IA),
+// The paper's first baseline: normals, an FPFH descriptor at every point, sample consensus initial alignment (SAC-IA),
 // ICP. Source: R. B. Rusu, N. Blodow, M. Beetz, "Fast Point Feature Histograms (FPFH) for 3D Registration", section IV.
 #ifndef CURVEREG_CORE_BASELINES_FPFH_SAC_IA_H_
 #define CURVEREG_CORE_BASELINES_FPFH_SAC_IA_H_

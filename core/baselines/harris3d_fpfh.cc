@@ -107,8 +107,7 @@ void RejectMatches(const DescribedKeypoints& source, const DescribedKeypoints& t
   ransac.getModelCoefficients(coefficients);
   const Eigen::Matrix4f T_target_source =
       Eigen::Map<const Eigen::Matrix<float, 4, 4, Eigen::RowMajor>>(coefficients.data());
-  result.T_target_source.matrix() = T_target_source.cast<double>();
-  result.has_pose = true;
+  result.T_target_source.emplace().matrix() = T_target_source.cast<double>();
 }
 
 BaselineResult Run(const Scan& source_scan, const Scan& target_scan, const BaselineOptions& options) {
@@ -123,7 +122,7 @@ BaselineResult Run(const Scan& source_scan, const Scan& target_scan, const Basel
     return result;
   }
   RejectMatches(source, target, options, result);
-  if (result.has_pose) pcl_common::RefineByIcp(source.surface, target.surface, options, result);
+  if (result.T_target_source.has_value()) pcl_common::RefineByIcp(source.surface, target.surface, options, result);
   return result;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's second rival: normals, Harris 3-D key points, their FPFH descriptors, nearest descriptors matched,
+// The paper's second baseline: normals, Harris 3-D key points, their FPFH descriptors, nearest descriptors matched,
 // matches rejected by RANSAC, ICP.
 #ifndef CURVEREG_CORE_BASELINES_HARRIS3D_FPFH_H_
 #define CURVEREG_CORE_BASELINES_HARRIS3D_FPFH_H_

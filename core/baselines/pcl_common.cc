@@ -152,7 +152,7 @@ Eigen::Matrix4f FitRigid(const Cloud& source, const pcl::Indices& picked_source,
 }
 
 void RefineByIcp(const Surface& source, const Surface& target, const BaselineOptions& options, BaselineResult& result) {
-  Eigen::Matrix4f T_target_source = result.T_target_source.matrix().cast<float>();
+  Eigen::Matrix4f T_target_source = result.T_target_source->matrix().cast<float>();
   auto points_target = pcl::make_shared<Cloud>();  // the source's points under the pose so far
   pcl::transformPointCloud(*source.cloud, *points_target, T_target_source);
 
@@ -181,8 +181,8 @@ void RefineByIcp(const Surface& source, const Surface& target, const BaselineOpt
   result.num_iterations = iteration;
   result.converged = criteria.getConvergenceState() != Criteria::CONVERGENCE_CRITERIA_NOT_CONVERGED &&
                      criteria.getConvergenceState() != Criteria::CONVERGENCE_CRITERIA_ITERATIONS;
-  result.T_target_source.matrix() = T_target_source.cast<double>();
-  result.T_target_source = Orthonormalised(result.T_target_source);
+  result.T_target_source->matrix() = T_target_source.cast<double>();
+  result.T_target_source = Orthonormalised(*result.T_target_source);
 }
 
 absl::StatusOr<BaselineResult> Finish(BaselineResult result, const Stop& stop) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Steps of PCL that both rivals take. Included by the sources of this folder only, so that PCL's headers stay there.
+// Steps of PCL that both baselines use. Included by the sources of this folder only, so that PCL's headers stay there.
 #ifndef CURVEREG_CORE_BASELINES_PCL_COMMON_H_
 #define CURVEREG_CORE_BASELINES_PCL_COMMON_H_
 

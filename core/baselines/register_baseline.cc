@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/baselines/register_baseline.h"
 
+#include <string>
+
+#include "core/methods/registration_names.h"
+
 #ifdef CURVEREG_HAS_BASELINES
 #include "core/baselines/fpfh_sac_ia.h"
 #include "core/baselines/harris3d_fpfh.h"
@@ -26,11 +30,10 @@ absl::StatusOr<RegistrationResult> RegisterBaseline(const Scan& source, const Sc
   if (!baseline.ok()) return baseline.status();
   RegistrationResult result;
   result.T_target_source = baseline->T_target_source;
-  result.has_pose = baseline->has_pose;
   result.verdict.reasons.clear();
   if (baseline->failure.has_value()) {
     result.verdict.reasons.push_back(*baseline->failure);
-  } else if (!baseline->has_pose || !baseline->converged) {
+  } else if (!baseline->T_target_source.has_value() || !baseline->converged) {
     result.verdict.reasons.push_back(Reason::kNoConsensus);
   }
   result.verdict.accepted = result.verdict.reasons.empty();

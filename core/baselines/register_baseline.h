@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's two rivals behind the interface of the other methods. They know no verdict of their own: a pose counts as
-// accepted when their last step converged, which is all that they can say of themselves.
+// The paper's two baselines behind the interface of the other methods. They know no verdict of their own: a pose counts
+// as accepted when their last step converged, which is all that they can say of themselves.
 #ifndef CURVEREG_CORE_BASELINES_REGISTER_BASELINE_H_
 #define CURVEREG_CORE_BASELINES_REGISTER_BASELINE_H_
 

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The fast discrete curvelet transform by wrapping [FDCT; flavour M]: an image as a sum of waves that are local in
-// place, scale and direction. A tight frame: the coefficients hold the image's energy, the inverse is the adjoint and
-// reconstructs to rounding (1e-15 of the largest pixel). Periodic in both axes. Any size, odd ones too.
+// The fast discrete curvelet transform by wrapping [FDCT], with Matlab-style windows (core/README.md): an image as a
+// sum of waves that are local in place, scale and direction. A tight frame: the coefficients hold the image's energy,
+// the inverse is the adjoint and reconstructs to rounding (1e-15 of the largest pixel). Periodic in both axes. Any
+// size, odd ones too.
 //
 // Coefficients form one array per wedge, a grid of places (CoefficientPosition). All is unitary: white noise of
 // standard deviation sigma gives coefficients of standard deviation below sigma.

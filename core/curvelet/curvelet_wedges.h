@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How curvelets tile the frequency plane [FDCT, section 4, flavour M]: each scale is a square corona, cut by direction
-// into wedges that get twice as many with every second finer scale.
+// How curvelets tile the frequency plane [FDCT, section 4], with Matlab-style windows (core/README.md): each scale is a
+// square corona, cut by direction into wedges that get twice as many with every second finer scale.
 //
 // Frequencies are (k1, k2), cycles per image downwards and to the right. Quadrants in order north (k1 < 0), east
 // (k2 > 0), south, west; wedges l = 1, 2, ... run clockwise from the top-left corner. Wedge l + n/2 is wedge l seen at

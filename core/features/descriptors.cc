@@ -96,9 +96,12 @@ std::array<WindowSample, kWindow * kWindow> MakeWindow() {
 
 using Window = std::array<WindowSample, kWindow * kWindow>;
 
-// Dominant gradient directions, in turns.
-std::vector<float> DominantTurns(const GradientImage& gradient, const Keypoint& keypoint,
-                                 const DescriptorOptions& options) {
+using OrientationHistogram = std::array<float, kOrientationBins>;
+
+// Gradient directions about the key point, weighted by magnitude and a Gaussian of half the window's radius
+// [Lowe 2004, section 5].
+OrientationHistogram HistogramAbout(const GradientImage& gradient, const Keypoint& keypoint,
+                                    const DescriptorOptions& options) {
   constexpr float kRadius = 8.0F;  // in steps, as the descriptor's window
   const auto step = static_cast<float>(options.step_px);
   const int radius = static_cast<int>(std::ceil(kRadius * step));
@@ -106,7 +109,7 @@ std::vector<float> DominantTurns(const GradientImage& gradient, const Keypoint& 
   const float falloff = -1.0F / (2.0F * sigma * sigma);
   const int row0 = static_cast<int>(std::lround(keypoint.row));
   const int col0 = static_cast<int>(std::lround(keypoint.col));
-  std::array<float, kOrientationBins> histogram{};
+  OrientationHistogram histogram{};
   for (int row = std::max(0, row0 - radius); row <= std::min(gradient.turn.rows - 1, row0 + radius); ++row) {
     const auto dy = static_cast<float>(row) - keypoint.row;
     const float row_weight = std::exp(falloff * dy * dy);
@@ -126,30 +129,50 @@ std::vector<float> DominantTurns(const GradientImage& gradient, const Keypoint& 
       histogram[static_cast<size_t>(bin)] += row_weight * weight * magnitude[col];
     }
   }
+  return histogram;
+}
+
+// Binomial smoothing around the circle, twice.
+void Smooth(OrientationHistogram& histogram) {
   for (int pass = 0; pass < 2; ++pass) {
-    std::array<float, kOrientationBins> smooth{};
+    OrientationHistogram smooth{};
     for (size_t i = 0; i < kOrientationBins; ++i) {
       smooth[i] = 0.25F * histogram[(i + kOrientationBins - 1) % kOrientationBins] + 0.5F * histogram[i] +
                   0.25F * histogram[(i + 1) % kOrientationBins];
     }
     histogram = smooth;
   }
+}
+
+struct OrientationPeak {
+  float value, turn;
+};
+
+// Local maxima, highest first, refined by a parabola through each and its neighbours. Empty when all bins are zero.
+std::vector<OrientationPeak> PeaksOf(const OrientationHistogram& histogram, double second_peak_share) {
   const float strongest = *std::max_element(histogram.begin(), histogram.end());
   if (!(strongest > 0.0F)) return {};
-  struct Peak {
-    float value, turn;
-  };
-  std::vector<Peak> peaks;
+  std::vector<OrientationPeak> peaks;
   for (size_t i = 0; i < kOrientationBins; ++i) {
     const float before = histogram[(i + kOrientationBins - 1) % kOrientationBins];
     const float after = histogram[(i + 1) % kOrientationBins];
     const float value = histogram[i];
-    if (value <= before || value < after || value < options.second_peak_share * strongest) continue;
+    if (value <= before || value < after || value < second_peak_share * strongest) continue;
     const float offset = 0.5F * (before - after) / (before - 2.0F * value + after);
     const float turn = (static_cast<float>(i) + 0.5F + offset) / kOrientationBins;
     peaks.push_back({value, turn - std::floor(turn)});
   }
-  std::stable_sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) { return a.value > b.value; });
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const OrientationPeak& a, const OrientationPeak& b) { return a.value > b.value; });
+  return peaks;
+}
+
+// Dominant gradient directions, in turns.
+std::vector<float> DominantTurns(const GradientImage& gradient, const Keypoint& keypoint,
+                                 const DescriptorOptions& options) {
+  OrientationHistogram histogram = HistogramAbout(gradient, keypoint, options);
+  Smooth(histogram);
+  const std::vector<OrientationPeak> peaks = PeaksOf(histogram, options.second_peak_share);
   std::vector<float> turns;
   for (size_t i = 0; i < std::min(peaks.size(), static_cast<size_t>(options.max_orientations)); ++i) {
     turns.push_back(peaks[i].turn);

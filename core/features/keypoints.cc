@@ -34,20 +34,20 @@ float ParabolaOffset(float before, float middle, float after) {
   return std::clamp(0.5F * (before - after) / curvature, -0.5F, 0.5F);
 }
 
-std::vector<Keypoint> DetectLevel(const std::vector<Image<float>>& stack, int level, const Image<float>& valid_share,
+std::vector<Keypoint> DetectLevel(const std::vector<Image<float>>& stack, int level, const Image<float>& valid_fraction,
                                   const KeypointOptions& options) {
   const Image<float>& image = stack[static_cast<size_t>(level)];
   const Image<float>& coarser = stack[static_cast<size_t>(level - 1)];
   const Image<float>& finer = stack[static_cast<size_t>(level + 1)];
   const auto min_response = static_cast<float>(options.min_response);
-  const auto min_share = static_cast<float>(options.min_valid_share);
+  const auto min_share = static_cast<float>(options.min_valid_fraction);
   const int border = std::max(1, options.border_px);
   std::vector<Keypoint> found;
   for (int row = border; row < image.rows - border; ++row) {
     const float* above = image.Row(row - 1);
     const float* here = image.Row(row);
     const float* below = image.Row(row + 1);
-    const float* share = valid_share.Row(row);
+    const float* share = valid_fraction.Row(row);
     for (int col = border; col < image.cols - border; ++col) {
       const float value = here[col];
       if (std::abs(value) < min_response || share[col] < min_share) continue;
@@ -78,14 +78,15 @@ std::vector<Image<float>> DifferenceOfCurvelets(const std::vector<Image<float>>&
   return stack;
 }
 
-std::vector<Keypoint> DetectKeypoints(const std::vector<Image<float>>& doc_stack, const Image<float>& valid_share,
+std::vector<Keypoint> DetectKeypoints(const std::vector<Image<float>>& doc_stack, const Image<float>& valid_fraction,
                                       const KeypointOptions& options) {
   const int first = std::max(1, options.first_level);
   const int last = std::min(options.last_level, static_cast<int>(doc_stack.size()) - 2);
   if (last < first) return {};
   std::vector<std::vector<Keypoint>> levels(static_cast<size_t>(last - first + 1));
-  ParallelFor(static_cast<int>(levels.size()),
-              [&](int i) { levels[static_cast<size_t>(i)] = DetectLevel(doc_stack, first + i, valid_share, options); });
+  ParallelFor(static_cast<int>(levels.size()), [&](int i) {
+    levels[static_cast<size_t>(i)] = DetectLevel(doc_stack, first + i, valid_fraction, options);
+  });
   std::vector<Keypoint> keypoints;
   for (const std::vector<Keypoint>& level : levels) keypoints.insert(keypoints.end(), level.begin(), level.end());
   return keypoints;

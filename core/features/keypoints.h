@@ -15,10 +15,10 @@ namespace curvereg {
 struct KeypointOptions {
   int first_level = 1;  // index into the DoC stack; 0 is the coarsest band itself
   int last_level = 4;
-  double min_response = 0.005;   // |DoC| below it is noise, in the image's unit (5 mm of height)
-  double min_valid_share = 0.4;  // of the 9x9 window about the point: no key points on interpolated ground
-  int max_per_level = 400;       // strongest first
-  int border_px = 8;             // none nearer to the image border, where the taper works
+  double min_response = 0.005;      // |DoC| below it is noise, in the image's unit (5 mm of height)
+  double min_valid_fraction = 0.4;  // of the 9x9 window about the point: no key points on interpolated ground
+  int max_per_level = 400;          // strongest first
+  int border_px = 8;                // none nearer to the image border, where the taper works
 };
 
 struct Keypoint {
@@ -31,9 +31,9 @@ struct Keypoint {
 // DoC stack of `bands` (I_c(1) .. I_c(J)): stack[0] = I_c(1), stack[j] = I_c(j+1) - I_c(j).
 std::vector<Image<float>> DifferenceOfCurvelets(const std::vector<Image<float>>& bands);
 
-// Key points level after level, strongest first within a level (ties: image order). `valid_share` as of ValidShare.
-// Precondition: images of one size. A stack of fewer than 3 levels has none.
-std::vector<Keypoint> DetectKeypoints(const std::vector<Image<float>>& doc_stack, const Image<float>& valid_share,
+// Key points level after level, strongest first within a level (ties: image order). `valid_fraction` as of
+// ValidFraction. Precondition: images of one size. A stack of fewer than 3 levels has none.
+std::vector<Keypoint> DetectKeypoints(const std::vector<Image<float>>& doc_stack, const Image<float>& valid_fraction,
                                       const KeypointOptions& options = {});
 
 }  // namespace curvereg

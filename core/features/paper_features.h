@@ -28,10 +28,10 @@ struct PaperFeatureOptions {
   // Extrema of I_DoC(3) and I_DoC(4), those with a DoC image on either side; of the image on [0, 1].
   KeypointOptions keypoints = {.first_level = 2,
                                .last_level = 3,
-                               .min_response = 0.005,    // low contrast
-                               .min_valid_share = 0.0,   // no such rejection in the paper
-                               .max_per_level = 10'000,  // ours: reached by noise only
-                               .border_px = 8};          // ours: half a descriptor window above and below
+                               .min_response = 0.005,      // low contrast
+                               .min_valid_fraction = 0.0,  // no such rejection in the paper
+                               .max_per_level = 10'000,    // ours: reached by noise only
+                               .border_px = 8};            // ours: half a descriptor window above and below
   // Near-range rejection: no key points nearer than this; >= 0. The value is ours: the ring of ground about a mast of
   // 2 m, where rows of pixels are centimetres apart and follow the sensor.
   double min_range_m = 5.0;

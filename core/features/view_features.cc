@@ -37,11 +37,11 @@ ViewOptions OccupancyViewOptions() {
   options.view = BirdsEyeView::kOccupancy;
   options.image.cell_m = 0.4;
   options.keypoints.min_response = 0.05;
-  options.keypoints.min_valid_share = 0.0;
+  options.keypoints.min_valid_fraction = 0.0;
   return options;
 }
 
-ViewOptions CleanedElevationViewOptions() {
+ViewOptions RobustElevationViewOptions() {
   ViewOptions options = ElevationViewOptions();
   options.image.median = true;
   options.max_spike_m = 0.12;
@@ -65,16 +65,16 @@ absl::StatusOr<ViewFeatures> ComputeViewFeatures(const std::vector<Eigen::Vector
   if (options.view == BirdsEyeView::kElevation) {
     FillHoles(result.image.valid, result.image.values);
     filled = result.image.values;
-    RemovePlane(result.image.valid, result.image.values);
+    Detrend(result.image.valid, result.image.values);
   }
   GaussianBlur3x3(options.blur_sigma_px, result.image.values);
   Image<float> tapered = result.image.values;
-  TaperBorder(options.taper_px, tapered);
+  Apodize(options.taper_px, tapered);
   absl::StatusOr<std::vector<Image<float>>> bands = ComputeScaleBands(tapered, options.bands);
   if (!bands.ok()) return bands.status();
   if (stop.Requested()) return stopped;
   const std::vector<Image<float>> doc_stack = DifferenceOfCurvelets(*bands);
-  const std::vector<Keypoint> keypoints = DetectKeypoints(doc_stack, ValidShare(result.valid, 4), options.keypoints);
+  const std::vector<Keypoint> keypoints = DetectKeypoints(doc_stack, ValidFraction(result.valid, 4), options.keypoints);
   if (stop.Requested()) return stopped;
   result.features = DescribeKeypoints(*bands, keypoints, options.descriptors);
   for (size_t i = 0; i < result.features.size(); ++i) {

@@ -13,7 +13,7 @@
 #include "core/curvelet/scale_bands.h"
 #include "core/features/descriptors.h"
 #include "core/features/keypoints.h"
-#include "core/pose/consensus.h"
+#include "core/features/planar_feature.h"
 #include "core/views/scan_image.h"
 
 namespace curvereg {
@@ -36,7 +36,7 @@ struct ViewOptions {
 ViewOptions ElevationViewOptions();
 ViewOptions OccupancyViewOptions();
 // For scans with false returns: median heights, cells that stand out removed.
-ViewOptions CleanedElevationViewOptions();
+ViewOptions RobustElevationViewOptions();
 
 struct ViewFeatures {
   Eigen::Matrix3d R_level_sensor = Eigen::Matrix3d::Identity();

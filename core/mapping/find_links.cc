@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/find_links.h"
+
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -11,7 +13,6 @@
 #include "core/mapping/loop_candidates.h"
 #include "core/mapping/place_recognition.h"
 #include "core/mapping/pose_uncertainty.h"
-#include "core/mapping/tracking.h"
 
 namespace curvereg {
 namespace {

@@ -10,7 +10,8 @@
 #include <set>
 
 #include "absl/status/statusor.h"
-#include "core/mapping/tracking.h"
+#include "core/mapping/tracking_options.h"
+#include "core/mapping/trajectory.h"
 
 namespace curvereg {
 

@@ -13,7 +13,7 @@
 #include "core/base/stop_status.h"
 #include "core/mapping/cell_grid.h"
 #include "core/mapping/cell_store.h"
-#include "core/mapping/seen_through.h"
+#include "core/mapping/dynamic_removal.h"
 #include "core/mapping/tile_index.h"
 
 namespace curvereg {
@@ -57,7 +57,7 @@ Eigen::Vector3d MiddleOf(const std::vector<RigidTransform>& T_map_scan) {
 int TileLevel(double cell_m) { return std::max(4, static_cast<int>(std::ceil(std::log2(4.0 / cell_m)))); }
 
 std::size_t MaxCells(const PointMapOptions& options) {
-  const std::size_t votes = options.remove_seen_through ? SeenThroughVotes::kBytesPerCell : 0;
+  const std::size_t votes = options.remove_dynamic ? FreeSpaceVotes::kBytesPerCell : 0;
   return options.max_memory_bytes / (CellStore::kBytesPerCell + votes);
 }
 
@@ -135,7 +135,7 @@ class MapPasses {
   }
 
   // Asks all scans near the cells.
-  absl::Status CountVotes(SeenThroughVotes& votes) const {
+  absl::Status CountVotes(FreeSpaceVotes& votes) const {
     for (std::size_t i = 0; i < input_.T_map_scan.size(); ++i) {
       if (!votes.HasVote(input_.T_map_scan[i])) continue;
       const absl::StatusOr<std::shared_ptr<const Scan>> scan = Load(i);
@@ -146,16 +146,16 @@ class MapPasses {
   }
 
   absl::Status Give(const std::vector<CellSum>& cells, const CellSink& sink) const {
-    std::unique_ptr<SeenThroughVotes> votes;
-    if (options_.remove_seen_through) {
-      votes = std::make_unique<SeenThroughVotes>(cells, grid_);
+    std::unique_ptr<FreeSpaceVotes> votes;
+    if (options_.remove_dynamic) {
+      votes = std::make_unique<FreeSpaceVotes>(cells, grid_);
       absl::Status status = CountVotes(*votes);
       if (!status.ok()) return status;
     }
     std::vector<MapCell> piece;
     piece.reserve(kCellsPerPiece);
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (votes == nullptr || !votes->IsSeenThrough(i)) {
+      if (votes == nullptr || !votes->IsDynamic(i)) {
         piece.push_back(
             {grid_.IndexOf(cells[i].key).cast<int>(), MeanOf(cells[i], grid_).cast<float>(), cells[i].count});
       }

@@ -11,7 +11,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/features/view_features.h"
-#include "core/mapping/tracking.h"
+#include "core/mapping/tracking_options.h"
+#include "core/mapping/trajectory.h"
 
 namespace curvereg {
 

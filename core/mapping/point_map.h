@@ -30,9 +30,9 @@ struct MapInput {
 };
 
 struct PointMapOptions {
-  double cell_m = 0.1;               // edge of a cubic cell [m], 0.01 to 10
-  double max_range_m = 0.0;          // points farther from their sensor are left out; 0: none
-  bool remove_seen_through = false;  // leave out what other scans' rays passed through
+  double cell_m = 0.1;          // edge of a cubic cell [m], 0.01 to 10
+  double max_range_m = 0.0;     // points farther from their sensor are left out; 0: none
+  bool remove_dynamic = false;  // leave out cells in the free space of other scans (dynamic_removal.h)
   std::size_t max_memory_bytes = std::size_t{256}
                                  << 20;  // for cells in work, not for the loader's scans; 64 KiB or more
 };
@@ -40,8 +40,8 @@ struct PointMapOptions {
 // Gives the map's points (mean of each cell's points, map frame [m]) piece by piece, in an order that depends on the
 // input and cell size alone. Points that are not finite, or 2^20 cells (105 km at 0.1 m) and more from the middle of
 // all sensors along an axis, are left out. Scans are asked for one at a time, in order: once where the cells fit into
-// max_memory_bytes (36 bytes each, 40 with remove_seen_through), else again for each part of the map; once more with
-// remove_seen_through. Errors: INVALID_ARGUMENT (options, poses), those of the loader and of `sink`, CANCELLED,
+// max_memory_bytes (36 bytes each, 40 with remove_dynamic), else again for each part of the map; once more with
+// remove_dynamic. Errors: INVALID_ARGUMENT (options, poses), those of the loader and of `sink`, CANCELLED,
 // DEADLINE_EXCEEDED.
 using PointSink = std::function<absl::Status(std::span<const Eigen::Vector3f> points)>;
 absl::Status BuildPointMap(const MapInput& input, const PointMapOptions& options, const PointSink& sink,

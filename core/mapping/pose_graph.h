@@ -29,7 +29,7 @@ struct PoseGraph {
 struct PoseGraphOptions {
   // Geman-McClure scale in standard deviations of an edge: far beyond it an edge counts for nothing.
   double kernel_sigmas = 5.0;
-  // Standard deviations are not taken to be smaller than these: registrations are surer of themselves than they ought.
+  // Floors of the standard deviations: the covariances of registrations are too small, see docs/method.md.
   double least_sigma_rad = 1e-4;
   double least_sigma_m = 2e-3;
   int max_iterations = 100;  // of one graduation; there are up to eight where edges are given up
@@ -37,25 +37,25 @@ struct PoseGraphOptions {
   int num_threads = 0;  // 0: one per processor
 };
 
-// An edge of less weight counts as given up: with the default scale it is some nine standard deviations off, as no
-// honest one is.
+// An edge of less weight counts as rejected: with the default scale its error is some nine standard deviations, which
+// noise does not reach.
 inline constexpr double kGivenUpWeight = 0.05;
 
 struct PoseGraphResult {
   std::vector<RigidTransform> T_graph_node;  // node 0 of each connected component stays where it was
   // Of (rotation, translation), left perturbation, graph frame, relative to the component's first node; empty unless
-  // asked for.
+  // with_covariances.
   std::vector<Matrix6d> covariances;
-  std::vector<double> edge_weights;  // in [0, 1]: 1 fully believed, below kGivenUpWeight given up
+  std::vector<double> edge_weights;  // in [0, 1]: 1: full weight; below kGivenUpWeight: rejected
   int iterations = 0;                // of all graduations
   bool converged = false;            // whether the poses held still at the end of the best one
 };
 
-// Graduated non-convexity: starts with all edges believed and sharpens the kernel step by step, so that the start need
-// not be near [H. Yang, P. Antonante, V. Tzoumas, L. Carlone, "Graduated Non-Convexity for Robust Spatial Perception",
-// IEEE RA-L 5(2), 2020]. The first node of each connected component is held. INVALID_ARGUMENT: an edge names no node or
-// one node twice, is not rigid, or its covariance is not positive definite, or a number is too large to compute with;
-// FAILED_PRECONDITION: covariances so far apart that a pose is not determined; CANCELLED; out of time:
+// Graduated non-convexity: starts with full weight for all edges and sharpens the kernel step by step, so that the
+// start need not be near [H. Yang, P. Antonante, V. Tzoumas, L. Carlone, "Graduated Non-Convexity for Robust Spatial
+// Perception", IEEE RA-L 5(2), 2020]. The first node of each connected component is held. INVALID_ARGUMENT: an edge
+// names no node or one node twice, is not rigid, or its covariance is not positive definite, or a number is too large
+// to compute with; FAILED_PRECONDITION: covariances so far apart that a pose is not determined; CANCELLED; out of time:
 // DEADLINE_EXCEEDED.
 absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph, const PoseGraphOptions& options = {},
                                                   const Stop& stop = {});

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Parts of a pose graph that one believed edge alone holds together. Least squares cannot tell whether that edge is
-// wrong: it is fulfilled exactly. But it is likely to be when edges given up join the same two parts and agree with
-// each other on another place.
+// Parts of a pose graph that are connected by a single edge of full weight. Least squares cannot detect that such an
+// edge is wrong, because its residual is zero. It is likely to be wrong when rejected edges join the same two parts and
+// agree with each other on another place.
 #ifndef CURVEREG_CORE_MAPPING_POSE_GRAPH_BRIDGES_H_
 #define CURVEREG_CORE_MAPPING_POSE_GRAPH_BRIDGES_H_
 
@@ -21,7 +21,7 @@ std::vector<bool> HeaviestForest(const PoseGraph& graph, const std::vector<doubl
 using SquaredErrorOfEdge =
     std::function<double(int edge, const RigidTransform& T_graph_source, const RigidTransform& T_graph_target)>;
 
-// Moves one part after the other, as a body, to where an edge given up would have it, if that lowers the sum of
+// Moves one part after the other, as a body, to where a rejected edge places it, if that lowers the sum of
 // KernelCost over the edges between the part and the rest. `weights`: of the edges at these poses. The first
 // node of each component stays. Returns whether any part was moved.
 bool MoveParts(const PoseGraph& graph, const std::vector<double>& weights, double squared_scale,

@@ -15,8 +15,8 @@
 
 namespace curvereg {
 
-// W such that W e has covariance I when e has `covariance`; in no direction is less deviation believed than `options`
-// allow. Precondition: `covariance` is positive definite.
+// W such that W e has covariance I when e has `covariance`; in no direction is the standard deviation below the
+// floors of `options`. Precondition: `covariance` is positive definite.
 Matrix6d Whitening(const Matrix6d& covariance, const PoseGraphOptions& options);
 
 // [v]x: [v]x w = v x w.
@@ -33,7 +33,7 @@ Matrix6d TransportedCovariance(const Matrix6d& covariance, const RigidTransform&
 Matrix6d InverseCovariance(const RigidTransform& T, const Matrix6d& covariance);
 
 // e = Log(T_target_source (T_graph_target^-1 T_graph_source)^-1), rotation vector and translation, target frame: the
-// left perturbation that makes the measured transform out of the one that the poses tell.
+// left perturbation that makes the measured transform out of the one that follows from the poses.
 Vector6d EdgeError(const RigidTransform& T_target_source, const RigidTransform& T_graph_source,
                    const RigidTransform& T_graph_target);
 

@@ -35,7 +35,7 @@ struct EdgeSupport {
 std::vector<EdgeSupport> FindEdgeSupport(const PoseGraph& graph, const PoseGraphOptions& options);
 
 // The poses along the paths of least variance from each component's first node, where an edge that its cycles
-// contradict or that has none counts for as many times longer that it is used for want of others only.
+// contradict, or that is in no cycle, gets a length so much larger that it is used only where there is no other.
 std::vector<RigidTransform> PosesThroughSupportedEdges(const PoseGraph& graph, const PoseGraphOptions& options);
 
 }  // namespace curvereg

@@ -59,8 +59,9 @@ Prior RelativePose(const TrajectoryPose& target, const TrajectoryPose& source, c
 Matrix6d LinkCovariance(const RegistrationResult& result, const PoseGraphOptions& options) {
   // Simulated yards: 2 mm at 5 m, 5 mm at 21 m, where the registration's own covariance says half of that.
   constexpr double kFullTrustM = 10.0;
-  const double growth = std::max(1.0, result.T_target_source.translation().norm() / kFullTrustM);
-  return result.covariance + DiagonalOf(growth * options.least_sigma_rad, growth * options.least_sigma_m);
+  const double growth = std::max(1.0, result.T_target_source->translation().norm() / kFullTrustM);
+  return result.covariance.value_or(Matrix6d::Zero()) +
+         DiagonalOf(growth * options.least_sigma_rad, growth * options.least_sigma_m);
 }
 
 }  // namespace curvereg

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/revise_traverse.h"
+
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -9,7 +11,6 @@
 #include "core/mapping/pose_graph_start.h"
 #include "core/mapping/pose_uncertainty.h"
 #include "core/mapping/segment_joins.h"
-#include "core/mapping/tracking.h"
 
 namespace curvereg {
 namespace {
@@ -32,10 +33,10 @@ TraverseGraph MakeGraph(const Traverse& traverse, const SegmentPlaces& places, c
     if (!link.result.verdict.accepted || excluded_links.contains(i)) continue;
     if (root_of(link.source) != root_of(link.target)) continue;
     made.graph.edges.push_back({static_cast<int>(link.source), static_cast<int>(link.target),
-                                link.result.T_target_source, LinkCovariance(link.result, options)});
+                                *link.result.T_target_source, LinkCovariance(link.result, options)});
     made.link_of_edge.push_back(i);
   }
-  // Wheels slip: what odometry says may be wrong as well. Where it is all there is, it is believed nevertheless.
+  // Wheels slip, so odometry may be wrong as well. Where there is nothing else, it decides nevertheless.
   for (size_t number = 1; number < traverse.poses.size(); ++number) {
     const std::optional<Prior>& prior = traverse.priors[number];
     if (!prior.has_value() || !prior->covariance.has_value()) continue;

@@ -26,7 +26,7 @@ std::vector<Connection> ConnectionsOf(const Traverse& traverse, const std::set<s
     const TrajectoryPose& source = traverse.poses[link.source];
     const TrajectoryPose& target = traverse.poses[link.target];
     const RigidTransform T_target_source =
-        target.T_segment_scan * link.result.T_target_source * source.T_segment_scan.inverse();
+        target.T_segment_scan * *link.result.T_target_source * source.T_segment_scan.inverse();
     if (target.segment < source.segment) {
       connections.push_back({target.segment, source.segment, T_target_source, source.T_segment_scan.translation()});
     } else {
@@ -37,9 +37,9 @@ std::vector<Connection> ConnectionsOf(const Traverse& traverse, const std::set<s
   return connections;
 }
 
-// Agreement is asked half-way between the two links' scans, not at the origin of a segment that may be far away: there
-// a thousandth of a radian is a metre per kilometre. A metre and six degrees tell look-alike places apart and forgive
-// what segments have drifted.
+// Agreement is tested half-way between the two links' scans, not at the origin of a segment that may be far away: there
+// a thousandth of a radian is a metre per kilometre. The limits of 1 m and 0.1 rad distinguish similar places and allow
+// for the drift of segments.
 bool Agree(const Connection& a, const Connection& b) {
   constexpr double kSameM = 1.0;
   constexpr double kSameRad = 0.1;

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "core/mapping/track_scan.h"
+
 #include <algorithm>
 #include <utility>
 
 #include "core/mapping/link_registration.h"
 #include "core/mapping/pose_uncertainty.h"
-#include "core/mapping/tracking.h"
 
 namespace curvereg {
 namespace {
@@ -94,7 +95,7 @@ class ScanTracker {
     const RegistrationResult& result = link->result;
     const bool is_accepted = result.verdict.accepted;
     if (is_accepted) {
-      Place(target, {result.T_target_source, LinkCovariance(result, options_.pose_graph)}, PoseOrigin::kRegistered,
+      Place(target, {*result.T_target_source, LinkCovariance(result, options_.pose_graph)}, PoseOrigin::kRegistered,
             tracked_.pose);
       tracked_.deciding_link = static_cast<int>(tracked_.links.size());
     }

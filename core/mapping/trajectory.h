@@ -20,7 +20,7 @@ namespace curvereg {
 enum class PoseOrigin {
   kSegmentStart,  // first of its segment, whose frame is this scan's sensor frame
   kRegistered,    // by accepted registrations; in a revised trajectory, by such as were not given up
-  kPrior,         // no registration was accepted, or none believed; carried by the prior
+  kPrior,         // no registration was accepted, or all were rejected later; carried by the prior
 };
 
 struct TrajectoryPose {

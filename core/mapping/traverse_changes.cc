@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+#include "core/mapping/traverse_changes.h"
 
-#include "core/mapping/tracking.h"
+#include <algorithm>
 
 namespace curvereg {
 

@@ -47,7 +47,7 @@ absl::StatusOr<std::unique_ptr<const PreparedScan>> PreparedScan::Create(std::sh
   });
   if (stop.Requested()) return StoppedStatus(stop);
   for (const Surfel& surfel : prepared->voxel_maps_.front().surfels()) {
-    prepared->representatives_.push_back(surfel.representative);
+    prepared->downsampled_points_.push_back(surfel.first_point);
   }
   for (size_t i = 0; i < 2 * prepared->verticals_.size(); ++i) prepared->views_.push_back(std::make_unique<LazyView>());
   return prepared;
@@ -68,30 +68,30 @@ absl::StatusOr<const ViewFeatures*> PreparedScan::View(BirdsEyeView view, size_t
   return &**lazy.features;
 }
 
-absl::StatusOr<const PreparedScan*> PreparedScan::Cleaned(const Stop& stop) const {
-  const std::lock_guard<std::mutex> lock(cleaned_mutex_);
-  if (cleaned_ == nullptr) {
+absl::StatusOr<const PreparedScan*> PreparedScan::WithoutOutliers(const Stop& stop) const {
+  const std::lock_guard<std::mutex> lock(without_outliers_mutex_);
+  if (without_outliers_ == nullptr) {
     auto scan = std::make_shared<Scan>();
     scan->gravity = scan_->gravity;
     const Eigen::Vector3d up = verticals_.front().R_level_sensor.row(2);
-    scan->points = RemoveIsolatedReturns(scan_->points, up, options_.isolation, stop);
+    scan->points = RemoveOutliers(scan_->points, up, options_.outlier_removal, stop);
     if (stop.Requested()) return StoppedStatus(stop);
     PreparationOptions options = options_;
-    options.elevation = options_.cleaned_elevation;
-    absl::StatusOr<std::unique_ptr<const PreparedScan>> cleaned = Create(std::move(scan), options, stop);
-    if (!cleaned.ok()) return cleaned.status();
-    cleaned_ = *std::move(cleaned);
-    known_cleaned_ = cleaned_.get();
+    options.elevation = options_.elevation_without_outliers;
+    absl::StatusOr<std::unique_ptr<const PreparedScan>> filtered = Create(std::move(scan), options, stop);
+    if (!filtered.ok()) return filtered.status();
+    without_outliers_ = *std::move(filtered);
+    known_without_outliers_ = without_outliers_.get();
   }
-  return cleaned_.get();
+  return without_outliers_.get();
 }
 
 size_t PreparedScan::MemoryBytes() const {
   size_t bytes = sizeof(PreparedScan) + sizeof(Scan) + HeapBytes(scan_->points) + HeapBytes(voxel_maps_) +
-                 HeapBytes(representatives_) + free_space_.MemoryBytes() + HeapBytes(verticals_) + HeapBytes(views_);
+                 HeapBytes(downsampled_points_) + free_space_.MemoryBytes() + HeapBytes(verticals_) + HeapBytes(views_);
   for (const VoxelMap& map : voxel_maps_) bytes += map.MemoryBytes();
   for (const std::unique_ptr<LazyView>& view : views_) bytes += sizeof(LazyView) + view->bytes;
-  if (const PreparedScan* cleaned = known_cleaned_; cleaned != nullptr) bytes += cleaned->MemoryBytes();
+  if (const PreparedScan* filtered = known_without_outliers_; filtered != nullptr) bytes += filtered->MemoryBytes();
   return bytes;
 }
 

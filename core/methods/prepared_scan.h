@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// All that depends on one scan alone, computed once and reused for every partner: surface elements, free space,
-// candidate verticals, and per view the features. What the common case needs is computed at once, the rest on first
-// use. Safe to share between threads.
+// All that depends on one scan alone, computed once and reused for every partner: surfels, free space, candidate
+// verticals, and per view the features. What the common case needs is computed at once, the rest on first use. Safe to
+// share between threads.
 #ifndef CURVEREG_CORE_METHODS_PREPARED_SCAN_H_
 #define CURVEREG_CORE_METHODS_PREPARED_SCAN_H_
 
@@ -19,8 +19,8 @@
 #include "core/features/view_features.h"
 #include "core/scan/free_space.h"
 #include "core/scan/leveling.h"
+#include "core/scan/outlier_removal.h"
 #include "core/scan/scan.h"
-#include "core/scan/scan_filter.h"
 #include "core/scan/voxel_map.h"
 
 namespace curvereg {
@@ -32,8 +32,8 @@ struct PreparationOptions {
   FreeSpaceOptions free_space;
   ViewOptions elevation = ElevationViewOptions();
   ViewOptions occupancy = OccupancyViewOptions();
-  IsolationOptions isolation;
-  ViewOptions cleaned_elevation = CleanedElevationViewOptions();  // the elevation view of Cleaned()
+  OutlierRemovalOptions outlier_removal;
+  ViewOptions elevation_without_outliers = RobustElevationViewOptions();  // of WithoutOutliers()
 };
 
 class PreparedScan {
@@ -45,10 +45,10 @@ class PreparedScan {
                                                                     const Stop& stop = {});
 
   const Scan& scan() const { return *scan_; }
-  // Surface elements from fine to coarse.
+  // Surfels from fine to coarse.
   const std::vector<VoxelMap>& voxel_maps() const { return voxel_maps_; }
-  // One measured point per finest cell: the scan at even density.
-  const std::vector<Eigen::Vector3f>& representatives() const { return representatives_; }
+  // Voxel-downsampled: one measured point per cell of the finest grid, so that the density is even.
+  const std::vector<Eigen::Vector3f>& downsampled_points() const { return downsampled_points_; }
   const FreeSpace& free_space() const { return free_space_; }
   const std::vector<LevelingCandidate>& verticals() const { return verticals_; }
 
@@ -56,12 +56,12 @@ class PreparedScan {
   // Errors as Create.
   absl::StatusOr<const ViewFeatures*> View(BirdsEyeView view, size_t vertical, const Stop& stop = {}) const;
 
-  // The same scan without isolated returns, its heights taken robustly: for scans with many false returns. Computed by
-  // the first caller. Errors as Create.
-  absl::StatusOr<const PreparedScan*> Cleaned(const Stop& stop = {}) const;
+  // The same scan after outlier removal, with robust (median) heights in its elevation view: for scans with many false
+  // returns. Computed by the first caller. Errors as Create.
+  absl::StatusOr<const PreparedScan*> WithoutOutliers(const Stop& stop = {}) const;
 
-  // Memory that the scan and all that was computed of it hold by now; grows with first uses of View and Cleaned. What
-  // is being computed at the moment is not counted. Does not wait for it either.
+  // Memory that the scan and all that was computed of it hold by now; grows with first uses of View and
+  // WithoutOutliers. What is being computed at the moment is not counted. Does not wait for it either.
   size_t MemoryBytes() const;
 
  private:
@@ -76,13 +76,14 @@ class PreparedScan {
   std::shared_ptr<const Scan> scan_;
   PreparationOptions options_;
   std::vector<VoxelMap> voxel_maps_;
-  std::vector<Eigen::Vector3f> representatives_;
+  std::vector<Eigen::Vector3f> downsampled_points_;
   FreeSpace free_space_;
   std::vector<LevelingCandidate> verticals_;
   std::vector<std::unique_ptr<LazyView>> views_;  // elevation and occupancy of each vertical
-  mutable std::mutex cleaned_mutex_;
-  mutable std::unique_ptr<const PreparedScan> cleaned_;
-  mutable std::atomic<const PreparedScan*> known_cleaned_ = nullptr;  // cleaned_, readable without the mutex
+  mutable std::mutex without_outliers_mutex_;
+  mutable std::unique_ptr<const PreparedScan> without_outliers_;
+  // without_outliers_, readable without the mutex.
+  mutable std::atomic<const PreparedScan*> known_without_outliers_ = nullptr;
 };
 
 }  // namespace curvereg

@@ -15,9 +15,9 @@
 namespace curvereg {
 namespace {
 
-// SurfaceConsistency above which an accepted pose ends the climb; one that is accepted with less stands only if no
-// further rung finds a surer one.
-constexpr double kSureConsistency = 0.3;
+// SurfaceConsistency above which an accepted pose ends the escalation. A pose that is accepted with less is replaced if
+// a further step finds one of higher confidence. Chosen on simulated and real pairs, see docs/method.md.
+constexpr double kConfidentConsistency = 0.3;
 
 // A pose under consideration.
 struct Candidate {
@@ -26,28 +26,29 @@ struct Candidate {
   double score = 0.0;
 };
 
-// One rung of the ladder: which view, levelled by which vertical of each scan, of the scans as they are or cleaned.
-struct Rung {
+// One step of the escalation: which view, levelled by which vertical of each scan, of the scans as they are or after
+// outlier removal.
+struct EscalationStep {
   BirdsEyeView view;
   size_t source_vertical;
   size_t target_vertical;
-  bool cleaned;
+  bool without_outliers;
   int max_hypotheses;
 };
 
 // From the cheap common case to what hard scenes need.
-std::vector<Rung> Ladder(const PreparedScan& source, const PreparedScan& target) {
+std::vector<EscalationStep> EscalationSchedule(const PreparedScan& source, const PreparedScan& target) {
   constexpr int kFew = 8;
   constexpr int kMany = 24;
-  std::vector<Rung> rungs = {{BirdsEyeView::kElevation, 0, 0, false, kFew},
-                             {BirdsEyeView::kOccupancy, 0, 0, false, kMany}};
+  std::vector<EscalationStep> steps = {{BirdsEyeView::kElevation, 0, 0, false, kFew},
+                                       {BirdsEyeView::kOccupancy, 0, 0, false, kMany}};
   for (size_t s = 0; s < source.verticals().size(); ++s) {
     for (size_t t = 0; t < target.verticals().size(); ++t) {
-      if (s + t > 0) rungs.push_back({BirdsEyeView::kOccupancy, s, t, false, kMany});
+      if (s + t > 0) steps.push_back({BirdsEyeView::kOccupancy, s, t, false, kMany});
     }
   }
-  rungs.push_back({BirdsEyeView::kElevation, 0, 0, true, kMany});
-  return rungs;
+  steps.push_back({BirdsEyeView::kElevation, 0, 0, true, kMany});
+  return steps;
 }
 
 class CurveletRegistration {
@@ -58,21 +59,21 @@ class CurveletRegistration {
 
   absl::StatusOr<RegistrationResult> Run() {
     AddGuesses();
-    for (const Rung& rung : Ladder(*source_, *target_)) {
+    for (const EscalationStep& step : EscalationSchedule(*source_, *target_)) {
       if (stop_.Requested()) break;
-      if (rung.cleaned) {
-        const absl::Status status = SwitchToCleaned();
+      if (step.without_outliers) {
+        const absl::Status status = RemoveOutliersOfBoth();
         if (absl::IsInvalidArgument(status)) break;  // too little is left: the answer so far stands
         if (!status.ok()) return status;
         if (stop_.Requested()) break;
       }
-      if (absl::Status status = Climb(rung); !status.ok()) return status;
+      if (absl::Status status = RunStep(step); !status.ok()) return status;
       Decide();
-      if (result_.verdict.accepted && is_sure_) break;
+      if (result_.verdict.accepted && is_confident_) break;
     }
     if (stop_.Cancelled()) return absl::CancelledError("registration was cancelled");
     std::vector<Reason>& reasons = result_.verdict.reasons;
-    if (!result_.has_pose && stop_.PastDeadline()) reasons.clear();
+    if (!result_.T_target_source.has_value() && stop_.PastDeadline()) reasons.clear();
     const bool is_marked = std::find(reasons.begin(), reasons.end(), Reason::kDeadline) != reasons.end();
     if (!result_.verdict.accepted && !is_marked && stop_.PastDeadline()) reasons.push_back(Reason::kDeadline);
     result_.stage_times = timer_.Take();
@@ -80,17 +81,18 @@ class CurveletRegistration {
   }
 
  private:
-  // From here on both scans are taken without their isolated returns. The poses found so far were scored on other
-  // points and are forgotten.
-  absl::Status SwitchToCleaned() {
-    std::array<absl::StatusOr<const PreparedScan*>, 2> cleaned = {nullptr, nullptr};
-    ParallelFor(2, [&](int i) { cleaned[static_cast<size_t>(i)] = (i == 0 ? source_ : target_)->Cleaned(stop_); });
-    for (const auto& scan : cleaned) {
+  // From here on both scans are used without their outliers. The poses found so far were scored on other points and are
+  // dropped.
+  absl::Status RemoveOutliersOfBoth() {
+    std::array<absl::StatusOr<const PreparedScan*>, 2> filtered = {nullptr, nullptr};
+    ParallelFor(
+        2, [&](int i) { filtered[static_cast<size_t>(i)] = (i == 0 ? source_ : target_)->WithoutOutliers(stop_); });
+    for (const auto& scan : filtered) {
       if (!scan.ok() && !stop_.Requested()) return scan.status();
       if (!scan.ok()) return absl::OkStatus();
     }
-    source_ = *cleaned[0];
-    target_ = *cleaned[1];
+    source_ = *filtered[0];
+    target_ = *filtered[1];
     pool_.clear();
     timer_.Lap("cleaning");
     return absl::OkStatus();
@@ -106,20 +108,33 @@ class CurveletRegistration {
   }
 
   // Key points, matches and hypotheses of one view, refined coarsely and scored into the pool.
-  absl::Status Climb(const Rung& rung) {
+  absl::Status RunStep(const EscalationStep& step) {
     std::array<absl::StatusOr<const ViewFeatures*>, 2> views = {nullptr, nullptr};
     ParallelFor(2, [&](int i) {
-      views[static_cast<size_t>(i)] = i == 0 ? source_->View(rung.view, rung.source_vertical, stop_)
-                                             : target_->View(rung.view, rung.target_vertical, stop_);
+      views[static_cast<size_t>(i)] = i == 0 ? source_->View(step.view, step.source_vertical, stop_)
+                                             : target_->View(step.view, step.target_vertical, stop_);
     });
     for (const auto& view : views) {
       if (!view.ok()) return stop_.Requested() ? absl::OkStatus() : view.status();
     }
     timer_.Lap("features");
+    const ViewFeatures& source_view = **views[0];
+    const ViewFeatures& target_view = **views[1];
     ConsensusOptions consensus;
-    consensus.max_hypotheses = rung.max_hypotheses;
-    const HypothesesFromViews found = FindPoseHypotheses(**views[0], **views[1], consensus);
+    consensus.max_hypotheses = step.max_hypotheses;
+    const HypothesesFromViews found = FindPoseHypotheses(source_view, target_view, consensus);
     timer_.Lap("matching");
+    AddCandidates(found);
+    ScorePool(source_view, target_view);
+    timer_.Lap("hypotheses");
+    result_.evidence.num_source_keypoints = static_cast<int>(source_view.features.size());
+    result_.evidence.num_target_keypoints = static_cast<int>(target_view.features.size());
+    ++result_.evidence.num_attempts;
+    return absl::OkStatus();
+  }
+
+  // Refines the hypotheses, and at first the guesses, coarsely; those that the prior allows join the pool.
+  void AddCandidates(const HypothesesFromViews& found) {
     std::vector<Candidate> candidates;
     if (pool_.empty()) candidates = guesses_;
     for (const PoseHypothesis& hypothesis : found.hypotheses) {
@@ -134,22 +149,20 @@ class CurveletRegistration {
     for (Candidate& candidate : candidates) {
       if (AllowedByPrior(candidate.T_target_source)) pool_.push_back(std::move(candidate));
     }
-    // Earlier candidates too: a view that shows a pose badly must not be held against it.
+    result_.evidence.num_hypotheses += static_cast<int>(candidates.size());
+  }
+
+  // Scores every candidate, earlier ones too, by the best of the views so far: one that shows a pose badly does not
+  // count against it. Best first.
+  void ScorePool(const ViewFeatures& source_view, const ViewFeatures& target_view) {
     ParallelFor(static_cast<int>(pool_.size()), [&](int i) {
       Candidate& candidate = pool_[static_cast<size_t>(i)];
-      const double ncc = CorrelateViews(**views[0], **views[1], candidate.T_target_source).ncc;
+      const double ncc = CorrelateViews(source_view, target_view, candidate.T_target_source).ncc;
       candidate.evidence.image_correlation = std::max(candidate.evidence.image_correlation, ncc);
       candidate.score = PoseScore(candidate.evidence);
     });
     std::stable_sort(pool_.begin(), pool_.end(),
                      [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-    timer_.Lap("hypotheses");
-    Evidence& evidence = result_.evidence;
-    evidence.num_source_keypoints = static_cast<int>((*views[0])->features.size());
-    evidence.num_target_keypoints = static_cast<int>((*views[1])->features.size());
-    evidence.num_hypotheses += static_cast<int>(candidates.size());
-    ++evidence.num_attempts;
-    return absl::OkStatus();
   }
 
   void RefineCoarsely(Candidate& candidate) const {
@@ -180,10 +193,10 @@ class CurveletRegistration {
     return squared <= 25.0;
   }
 
-  // Refines the best candidates to the end, until one is sure, and judges the surest.
+  // Refines the best candidates to the end, until one is accepted, and judges that of the highest confidence.
   void Decide() {
     constexpr size_t kMaxFinalists = 3;
-    if (pool_.empty() && !result_.has_pose) result_.verdict.reasons = {Reason::kNoConsensus};
+    if (pool_.empty() && !result_.T_target_source.has_value()) result_.verdict.reasons = {Reason::kNoConsensus};
     std::vector<Candidate> finalists;
     for (const Candidate& candidate : pool_) {
       const auto is_same = [&](const Candidate& other) { return !IsOtherPose(candidate, other); };
@@ -210,10 +223,10 @@ class CurveletRegistration {
     return candidate;
   }
 
-  // Writes the finalist to the result when it is the surest so far; true when it is accepted.
+  // Writes the finalist to the result when its confidence is the highest so far; true when it is accepted.
   bool Judge(Candidate& finalist, const std::vector<Candidate>& finalists) {
     const double confidence = PoseConfidence(finalist.evidence);
-    // A later rung that is no surer does not take the place of an earlier one.
+    // A later step of no higher confidence does not replace an earlier one.
     if (confidence <= confidence_) return false;
     confidence_ = confidence;
     // Several hypotheses, or a guess that no match proposed, may have met in this pose: all their matches speak for it.
@@ -224,11 +237,11 @@ class CurveletRegistration {
     }
     finalist.evidence.runner_up_ratio = RunnerUpConfidence(finalist, finalists) / confidence;
     FillResult(finalist.T_target_source, finalist.evidence, result_);
-    is_sure_ = SurfaceConsistency(finalist.evidence) > kSureConsistency;
+    is_confident_ = SurfaceConsistency(finalist.evidence) > kConfidentConsistency;
     return result_.verdict.accepted;
   }
 
-  // Confidence of the surest candidate that is another pose; of those refined to the end, as they ended.
+  // The highest confidence of a candidate that is another pose; of those refined to the end, as they ended.
   double RunnerUpConfidence(const Candidate& best, const std::vector<Candidate>& finalists) const {
     double confidence = 0.0;
     for (const Candidate& other : finalists) {
@@ -256,8 +269,8 @@ class CurveletRegistration {
   std::vector<Candidate> guesses_;
   std::vector<Candidate> pool_;  // best first
   RegistrationResult result_;
-  double confidence_ = -1.0;  // of the pose in result_
-  bool is_sure_ = false;      // so consistent that no further rung is needed
+  double confidence_ = -1.0;   // of the pose in result_
+  bool is_confident_ = false;  // so consistent that no further step is needed
   StageTimer timer_;
 };
 

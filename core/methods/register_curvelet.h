@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The method `curvelet`: hypotheses from bird's-eye curvelet features, refinement, verification; escalation from the
-// cheap common case (elevation view) to more views and verticals while verification is not sure.
+// cheap common case (elevation view) to more views and verticals while its confidence is low.
 #ifndef CURVEREG_CORE_METHODS_REGISTER_CURVELET_H_
 #define CURVEREG_CORE_METHODS_REGISTER_CURVELET_H_
 

@@ -52,9 +52,10 @@ double ChanceOfAgreement(std::span<const PointPair> pairs, const RigidTransform&
 
 void Reject(Reason reason, RegistrationResult& result) { result.verdict = {false, {reason}}; }
 
+// Precondition: the consensus has a pose.
 void Judge(std::span<const PointPair> pairs, const RansacResult& consensus, const PaperOptions& options,
            RegistrationResult& result) {
-  const double chance = ChanceOfAgreement(pairs, consensus.T_target_source, options.ransac.inlier_threshold_m);
+  const double chance = ChanceOfAgreement(pairs, *consensus.T_target_source, options.ransac.inlier_threshold_m);
   const int num_pairs = static_cast<int>(pairs.size());
   const int num_inliers = static_cast<int>(consensus.inliers.size());
   result.verdict = {true, {}};
@@ -76,20 +77,19 @@ absl::Status EstimatePose(std::span<const PointPair> pairs, const PaperOptions& 
   }
   const absl::StatusOr<RansacResult> consensus = FindRigidConsensus(pairs, options.ransac, stop);
   if (!consensus.ok()) return consensus.status();
-  if (!consensus->has_pose) {
+  if (!consensus->T_target_source.has_value()) {
     Reject(consensus->is_complete ? Reason::kNoConsensus : Reason::kDeadline, result);
     return absl::OkStatus();
   }
   const absl::StatusOr<RigidTransform> fit = FitRigidTransform(Selected(pairs, consensus->inliers));
-  result.T_target_source = fit.ok() ? *fit : consensus->T_target_source;
-  result.has_pose = true;
+  result.T_target_source = fit.ok() ? *fit : *consensus->T_target_source;
   result.evidence.num_inliers = static_cast<int>(consensus->inliers.size());
   result.evidence.num_hypotheses = 1;
   Judge(pairs, *consensus, options, result);
   return absl::OkStatus();
 }
 
-// What RegisterPaper was asked.
+// The arguments of RegisterPaper.
 struct Call {
   const Scan& source;
   const Scan& target;

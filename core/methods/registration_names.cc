@@ -1,14 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-//
-// The names of methods and reasons, each list in the order of its enum.
-#include <array>
-#include <optional>
-#include <span>
-#include <string_view>
+#include "core/methods/registration_names.h"
 
-#include "core/methods/registration_options.h"
-#include "core/methods/registration_result.h"
+#include <array>
 
 namespace curvereg {
 namespace {

@@ -8,8 +8,6 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <span>
-#include <string_view>
 
 #include "core/base/rigid_transform.h"
 #include "core/base/stop.h"
@@ -20,14 +18,10 @@ namespace curvereg {
 enum class Method {
   kCurvelet,      // "curvelet": bird's-eye curvelet features, refinement, verification, escalation
   kPaper,         // "paper": the published pipeline to the letter
-  kFpfhSacIa,     // "fpfh-sac-ia": the paper's first rival
-  kHarris3dFpfh,  // "harris3d-fpfh": the paper's second rival
+  kFpfhSacIa,     // "fpfh-sac-ia": the paper's first baseline
+  kHarris3dFpfh,  // "harris3d-fpfh": the paper's second baseline
   kIcp,           // "icp": refinement alone, from the prior (identity when none is given)
 };
-
-std::span<const Method> AllMethods();
-std::string_view MethodName(Method method);
-std::optional<Method> MethodFromName(std::string_view name);
 
 // A guess of the transform from odometry or an IMU.
 struct Prior {

@@ -1,35 +1,32 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a registration answers: the transform and the evidence to believe it or not. Born rejected ("not run").
+// The result of a registration: the transform, and the verdict with its evidence. Rejected ("not run") by default.
 #ifndef CURVEREG_CORE_METHODS_REGISTRATION_RESULT_H_
 #define CURVEREG_CORE_METHODS_REGISTRATION_RESULT_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/rigid_transform.h"
 
 namespace curvereg {
 
-// Why a pose is not to be believed. A closed list: the wire, the metrics and the documentation carry the same names.
+// Why a pose is rejected. A closed list: the wire, the metrics and the documentation carry the same names.
 enum class Reason {
   kNotRun,               // the result was never filled in
   kTooFewPoints,         // too few usable points left in a scan after filtering
   kTooFewFeatures,       // too few key points to match
   kNoConsensus,          // matches agree on no pose
-  kResidualTooHigh,      // surfaces do not lie on each other
+  kResidualTooHigh,      // surfaces do not fit each other
   kOverlapTooLow,        // the scans share too little ground
-  kFreeSpaceViolated,    // one scan puts surface where the other saw through
+  kFreeSpaceViolated,    // one scan has surface in the free space of the other
   kAmbiguous,            // another, different pose explains the scans as well
   kDegenerateDirection,  // the scans leave a direction of the pose undetermined
   kDeadline,             // time ran out; the pose is the best so far
 };
-
-// Lower-case name with underscores, e.g. "overlap_too_low".
-std::string_view ReasonName(Reason reason);
 
 struct Verdict {
   bool accepted = false;
@@ -42,26 +39,26 @@ struct DegenerateDirection {
   double sigma = 0.0;  // standard deviation along it [rad or m, mixed as in `direction`]; infinite when unobserved
 };
 
-// Counts and measures, summed or taken at the chosen pose; -1 where a method does not compute a measure.
+// Counts and measures, summed or taken at the chosen pose. A measure that the method does not compute has no value.
 struct Evidence {
   int64_t num_source_points = 0;  // finite points of the scan
   int64_t num_target_points = 0;
   int num_source_keypoints = 0;
   int num_target_keypoints = 0;
   int num_matches = 0;
-  int num_inliers = 0;                 // matches that agree with the chosen hypothesis
-  int num_hypotheses = 0;              // distinct poses tried
-  int num_attempts = 0;                // rungs of the escalation ladder climbed
-  double overlap_source = -1.0;        // share of the source's surface that the target saw, in [0, 1]
-  double overlap_target = -1.0;        // share of the target's surface that the source saw, in [0, 1]
-  double free_space_agreement = -1.0;  // 1 minus the share of points that lie where the other scan saw through
-  double image_correlation = -1.0;     // normalised correlation of the two band-passed views under the pose, [-1, 1]
-  double inlier_fraction = -1.0;       // share of overlapping surface elements within the residual gate, [0, 1]
-  double residual_rmse_m = -1.0;       // of surface distances after the last iteration [m]
-  double residual_median_m = -1.0;     // of |surface distance| [m]
-  double residual_p90_m = -1.0;
-  // Confidence of the surest different pose over that of this one, >= 0; above 1 when the other looked surer.
-  double runner_up_ratio = -1.0;
+  int num_inliers = 0;                         // matches that agree with the chosen hypothesis
+  int num_hypotheses = 0;                      // distinct poses tried
+  int num_attempts = 0;                        // escalation steps run
+  std::optional<double> overlap_source;        // share of the source's surface that the target saw, in [0, 1]
+  std::optional<double> overlap_target;        // share of the target's surface that the source saw, in [0, 1]
+  std::optional<double> free_space_agreement;  // 1 minus the share of points in the other scan's free space
+  std::optional<double> image_correlation;     // of the two band-passed views under the pose, normalised, [-1, 1]
+  std::optional<double> inlier_fraction;       // share of overlapping surfels within the residual gate, [0, 1]
+  std::optional<double> residual_rmse_m;       // of surface distances after the last iteration [m]
+  std::optional<double> residual_median_m;     // of |surface distance| [m]
+  std::optional<double> residual_p90_m;        // 90th percentile of |surface distance| [m]
+  // Confidence of the most confident different pose over that of this one, >= 0; above 1 when the other has more.
+  std::optional<double> runner_up_ratio;
 };
 
 struct StageTime {
@@ -70,10 +67,10 @@ struct StageTime {
 };
 
 struct RegistrationResult {
-  RigidTransform T_target_source = RigidTransform::Identity();  // meaningful only when has_pose
-  bool has_pose = false;
-  Matrix6d covariance = Matrix6d::Zero();  // of (rotation [rad], translation [m]), left perturbation, target frame
-  bool has_covariance = false;
+  std::optional<RigidTransform> T_target_source;  // none: no pose was found; one is there when accepted
+  // Of (rotation [rad], translation [m]), left perturbation, target frame. None: too little common surface, or a method
+  // without covariances.
+  std::optional<Matrix6d> covariance;
   Verdict verdict;
   std::vector<DegenerateDirection> degenerate_directions;
   Evidence evidence;

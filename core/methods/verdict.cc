@@ -11,8 +11,9 @@
 namespace curvereg {
 
 PoseCheck CheckPose(const PreparedScan& source, const PreparedScan& target, const RigidTransform& T_target_source) {
-  const FreeSpaceAgreement of_source = AskAll(target.free_space(), T_target_source, source.representatives());
-  const FreeSpaceAgreement of_target = AskAll(source.free_space(), T_target_source.inverse(), target.representatives());
+  const FreeSpaceAgreement of_source = AskAll(target.free_space(), T_target_source, source.downsampled_points());
+  const FreeSpaceAgreement of_target =
+      AskAll(source.free_space(), T_target_source.inverse(), target.downsampled_points());
   PoseCheck check;
   check.free_space_agreement = std::min(of_source.Agreement(), of_target.Agreement());
   check.overlap_source = of_source.Overlap();
@@ -60,8 +61,8 @@ ViewCorrelation CorrelateViews(const ViewFeatures& source, const ViewFeatures& t
 
 namespace {
 
-// The exponents were fitted by conditional logit on hypotheses of real and simulated pairs (docs/method.md):
-// contradicted free space and surface elements that do not fit tell most, the correlation of the views least.
+// The exponents were fitted by conditional logit to hypotheses of real and simulated pairs (docs/method.md). Violated
+// free space and surfels that do not fit weigh most, the correlation of the views least.
 double FreeSpaceFactor(const PoseEvidence& evidence) { return std::pow(evidence.check.free_space_agreement, 20); }
 double SurfaceFactor(const PoseEvidence& evidence) { return std::pow(evidence.fit.inlier_fraction, 10); }
 
@@ -75,8 +76,8 @@ double PoseConfidence(const PoseEvidence& evidence) {
 }
 
 double PoseScore(const PoseEvidence& evidence) {
-  constexpr double kSmallResidual = 0.02;  // [m] keeps a perfect fit of few elements from outweighing all else
-  constexpr double kFreeInliers = 4.0;     // a pose that no match proposed (prior, identity) is not out of the race
+  constexpr double kSmallResidual = 0.02;  // [m] keeps a perfect fit of few surfels from outweighing all else
+  constexpr double kFreeInliers = 4.0;     // so that a pose that no match proposed (prior, identity) has a score
   return PoseConfidence(evidence) * std::sqrt(kFreeInliers + evidence.num_inliers) /
          (evidence.fit.residual_rms_m + kSmallResidual);
 }
@@ -117,7 +118,7 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
   // Written so that what is not a number rejects.
   const bool overlaps =
       evidence.check.overlap_source >= options.min_overlap && evidence.check.overlap_target >= options.min_overlap;
-  reject_if(evidence.fit.num_pairs < kMinElementPairs && evidence.fit.num_elements < 2 * kMinElementPairs,
+  reject_if(evidence.fit.num_pairs < kMinSurfelPairs && evidence.fit.num_surfels < 2 * kMinSurfelPairs,
             Reason::kTooFewPoints);
   // Consistency is a product; the reason named is the factor that falls short most.
   const bool consistent = SurfaceConsistency(evidence) >= options.min_consistency;
@@ -138,11 +139,10 @@ Verdict DecideVerdict(const PoseEvidence& evidence, const std::vector<Degenerate
 void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evidence, RegistrationResult& result) {
   const VerdictOptions options;
   result.T_target_source = T_target_source;
-  result.has_pose = true;
   result.degenerate_directions = FindDegenerateDirections(evidence.fit, options.min_information_z);
   result.verdict = DecideVerdict(evidence, result.degenerate_directions, options);
-  result.covariance = PoseCovariance(evidence.fit);
-  result.has_covariance = evidence.fit.num_pairs >= kMinElementPairs;
+  result.covariance.reset();
+  if (evidence.fit.num_pairs >= kMinSurfelPairs) result.covariance = PoseCovariance(evidence.fit);
   Evidence& measures = result.evidence;
   measures.num_inliers = evidence.num_inliers;
   measures.num_matches = evidence.num_matches;
@@ -152,7 +152,7 @@ void FillResult(const RigidTransform& T_target_source, const PoseEvidence& evide
   measures.image_correlation = evidence.image_correlation;
   measures.inlier_fraction = evidence.fit.inlier_fraction;
   measures.runner_up_ratio = evidence.runner_up_ratio;
-  if (!result.has_covariance) return;  // without common surface there is no residual
+  if (!result.covariance.has_value()) return;  // without common surface there is no residual
   measures.residual_rmse_m = evidence.fit.residual_rms_m;
   measures.residual_median_m = evidence.fit.residual_median_m;
   measures.residual_p90_m = evidence.fit.residual_p90_m;

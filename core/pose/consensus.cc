@@ -140,17 +140,12 @@ bool SamePose(const PlanarHypothesis& a, const PlanarHypothesis& b, const Consen
   return turn < options.distinct_rad && (a.shift - b.shift).norm() < options.distinct_m;
 }
 
-}  // namespace
-
-std::vector<PlanarHypothesis> FindPlanarHypotheses(const std::vector<PlanarFeature>& source,
-                                                   const std::vector<PlanarFeature>& target,
-                                                   const std::vector<Match>& matches, const ConsensusOptions& options) {
-  const MatchArrays arrays = GatherMatches(source, target, matches);
-  const int num_matches = static_cast<int>(matches.size());
+// Matches that agree with the pose that each match proposes.
+std::vector<int> VotesOf(const MatchArrays& arrays, int num_matches, const ConsensusOptions& options) {
   const VoteTolerances tolerances{2.0F * static_cast<float>(options.tolerance_m),
                                   static_cast<float>(options.tolerance_per_metre),
                                   static_cast<float>(options.orientation_rad)};
-  std::vector<int> votes(matches.size());
+  std::vector<int> votes(static_cast<size_t>(num_matches));
   constexpr int kBlock = 64;
   ParallelFor((num_matches + kBlock - 1) / kBlock, [&](int block) {
     for (int i = block * kBlock; i < std::min(num_matches, (block + 1) * kBlock); ++i) {
@@ -158,6 +153,16 @@ std::vector<PlanarHypothesis> FindPlanarHypotheses(const std::vector<PlanarFeatu
                                                  arrays.yaw.data(), num_matches, i, tolerances);
     }
   });
+  return votes;
+}
+
+}  // namespace
+
+std::vector<PlanarHypothesis> FindPlanarHypotheses(const std::vector<PlanarFeature>& source,
+                                                   const std::vector<PlanarFeature>& target,
+                                                   const std::vector<Match>& matches, const ConsensusOptions& options) {
+  const MatchArrays arrays = GatherMatches(source, target, matches);
+  const std::vector<int> votes = VotesOf(arrays, static_cast<int>(matches.size()), options);
   std::vector<int> order(matches.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // From matches to pose hypotheses. Between two levelled bird's-eye views a pose has a yaw and a shift, so every match
-// of oriented features proposes one whole pose by itself; the others vote for it by position and orientation.
+// of oriented features proposes one whole pose by itself, as in [Lowe 2004, section 7.3]; the others vote for it by
+// position and orientation. All matches are tried as samples of one (the consensus of [Fischler 1981] without chance).
 #ifndef CURVEREG_CORE_POSE_CONSENSUS_H_
 #define CURVEREG_CORE_POSE_CONSENSUS_H_
 
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "core/features/matching.h"
+#include "core/features/planar_feature.h"
 
 namespace curvereg {
 
@@ -22,12 +24,6 @@ struct ConsensusOptions {
   int min_inliers = 3;
   double distinct_m = 1.0;  // hypotheses nearer than this and distinct_rad are one
   double distinct_rad = 0.1;
-};
-
-// A feature on the levelled ground plane.
-struct PlanarFeature {
-  Eigen::Vector2d position;  // levelled frame [m]
-  double orientation_rad = 0.0;
 };
 
 struct PlanarHypothesis {

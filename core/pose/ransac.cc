@@ -124,7 +124,6 @@ absl::StatusOr<RansacResult> FindRigidConsensus(std::span<const PointPair> pairs
     if (inliers.empty()) continue;
     num_needed = std::min(num_needed, IterationsNeeded(inliers.size(), pairs.size(), options.confidence));
     result.T_target_source = *T_target_source;
-    result.has_pose = true;
     result.inliers = std::move(inliers);
   }
   result.is_complete = true;

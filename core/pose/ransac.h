@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Random sample consensus over pairs of 3-D points, most of which are wrong: the rigid transform of three random pairs
-// that lays most of all pairs on each other [M. A. Fischler, R. C. Bolles, CACM 24(6), 1981].
+// that most of all pairs agree with [M. A. Fischler, R. C. Bolles, CACM 24(6), 1981].
 // Deterministic: same pairs, options and seed, same bytes; runs on one thread.
 #ifndef CURVEREG_CORE_POSE_RANSAC_H_
 #define CURVEREG_CORE_POSE_RANSAC_H_
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,11 +32,10 @@ struct RansacOptions {
 absl::Status Validate(const RansacOptions& options);
 
 struct RansacResult {
-  RigidTransform T_target_source = RigidTransform::Identity();  // of the sample itself, not refitted; see has_pose
-  bool has_pose = false;
-  std::vector<int> inliers;  // indices of the pairs that agree with it, ascending; at least 3 with a pose
-  int num_iterations = 0;    // samples drawn
-  bool is_complete = false;  // false: stopped by the deadline before one of the two limits above
+  std::optional<RigidTransform> T_target_source;  // of the sample itself, not refitted; none: no sample had a consensus
+  std::vector<int> inliers;                       // indices of the pairs that agree with it, ascending; at least 3
+  int num_iterations = 0;                         // samples drawn
+  bool is_complete = false;                       // false: stopped by the deadline before one of the two limits above
 };
 
 // Fewer than three pairs, or only pairs that no rigid transform can join, give no pose. Of transforms with equally many

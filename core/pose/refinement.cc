@@ -11,33 +11,33 @@
 namespace curvereg {
 namespace {
 
-constexpr double kInlierSigmas = 6.0;  // of the means' spread, about three of the elements' own roughness
-constexpr size_t kBlock = 2048;        // elements per task; fixed, so that sums have one order
+constexpr double kInlierSigmas = 6.0;  // of the means' spread, about three of the surfels' own roughness
+constexpr size_t kBlock = 2048;        // surfels per task; fixed, so that sums have one order
 
-// One element of each scan, taken for the same piece of surface, under the current pose.
-struct ElementPair {
-  Eigen::Vector3d point_target;   // source element's mean, moved to the target frame
+// One surfel of each scan, taken for the same piece of surface, under the current pose.
+struct SurfelPair {
+  Eigen::Vector3d point_target;   // source surfel's mean, moved to the target frame
   Eigen::Vector3d normal;         // mean of both normals, target frame
   Eigen::Vector3d source_normal;  // moved to the target frame
   Eigen::Vector3d target_normal;
   double residual;       // signed distance along the normal [m]
-  double inverse_sigma;  // of the residual, from both elements' roughness [1/m]
+  double inverse_sigma;  // of the residual, from both surfels' roughness [1/m]
   double normal_noise;   // product of the standard deviations of both normals' directions [rad^2]
 };
 
-// Of an element's mean along its normal [m^2]: sampling noise falls with the number of points, but the two scans sample
+// Of a surfel's mean along its normal [m^2]: sampling noise falls with the number of points, but the two scans sample
 // a rough surface at different places, and that part stays.
 double VarianceOfMean(const Surfel& surfel) {
   constexpr double kLasting = 0.2;
   return static_cast<double>(surfel.normal_variance) * (1.0 / surfel.count + kLasting);
 }
 
-// Variance [rad^2] of the direction of an element's normal.
+// Variance [rad^2] of the direction of a surfel's normal.
 double VarianceOfNormal(const Surfel& surfel) {
   return static_cast<double>(surfel.normal_variance) / (static_cast<double>(surfel.middle_variance) * surfel.count);
 }
 
-// The element of `map` at `point`; failing that, of the cell across the nearest face.
+// The surfel of `map` at `point`; failing that, of the cell across the nearest face.
 int FindNear(const VoxelMap& map, const Eigen::Vector3f& point) {
   const int own = map.Find(point);
   if (own >= 0) return own;
@@ -65,17 +65,17 @@ class PairFinder {
   PairFinder(const VoxelMap& source, const VoxelMap& target, const RefinementOptions& options)
       : source_(source), target_(target), options_(options) {}
 
-  size_t num_elements() const { return source_.surfels().size() + target_.surfels().size(); }
+  size_t num_surfels() const { return source_.surfels().size() + target_.surfels().size(); }
 
-  // Appends pairs of each source element with the target's grid, then of each target element with the source's grid:
+  // Appends pairs of each source surfel with the target's grid, then of each target surfel with the source's grid:
   // two grids average out where their cells happen to cut the surface.
-  void Find(const RigidTransform& T_target_source, std::vector<ElementPair>& pairs) const {
+  void Find(const RigidTransform& T_target_source, std::vector<SurfelPair>& pairs) const {
     const size_t num_source = source_.surfels().size();
     const size_t num_all = num_source + target_.surfels().size();
     const RigidTransform T_source_target = T_target_source.inverse();
-    std::vector<std::vector<ElementPair>> blocks((num_all + kBlock - 1) / kBlock);
+    std::vector<std::vector<SurfelPair>> blocks((num_all + kBlock - 1) / kBlock);
     ParallelFor(static_cast<int>(blocks.size()), [&](int block) {
-      std::vector<ElementPair>& found = blocks[static_cast<size_t>(block)];
+      std::vector<SurfelPair>& found = blocks[static_cast<size_t>(block)];
       found.reserve(kBlock);
       const size_t begin = static_cast<size_t>(block) * kBlock;
       for (size_t i = begin; i < std::min(num_all, begin + kBlock); ++i) {
@@ -93,13 +93,13 @@ class PairFinder {
         if (s != nullptr && t != nullptr) AddPair(*s, *t, T_target_source, found);
       }
     });
-    for (const std::vector<ElementPair>& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
+    for (const std::vector<SurfelPair>& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
   }
 
  private:
-  void AddPair(const Surfel& s, const Surfel& t, const RigidTransform& T, std::vector<ElementPair>& pairs) const {
+  void AddPair(const Surfel& s, const Surfel& t, const RigidTransform& T, std::vector<SurfelPair>& pairs) const {
     if (!s.has_normal || !t.has_normal) return;
-    ElementPair pair;
+    SurfelPair pair;
     pair.source_normal = T.linear() * s.normal.cast<double>();
     pair.target_normal = t.normal.cast<double>();
     const double cosine = pair.source_normal.dot(pair.target_normal);
@@ -132,7 +132,7 @@ double MedianOf(std::vector<double>& values) {
 }
 
 // Scale of the Geman-McClure kernel on residuals in units of their sigma.
-double KernelScale(const std::vector<ElementPair>& pairs, const RefinementOptions& options) {
+double KernelScale(const std::vector<SurfelPair>& pairs, const RefinementOptions& options) {
   std::vector<double> magnitudes(pairs.size());
   double mean_inverse_sigma = 0.0;
   for (size_t i = 0; i < pairs.size(); ++i) {
@@ -158,13 +158,13 @@ struct NormalEquations {
   }
 };
 
-NormalEquations Accumulate(const std::vector<ElementPair>& pairs, double kernel_scale) {
+NormalEquations Accumulate(const std::vector<SurfelPair>& pairs, double kernel_scale) {
   std::vector<NormalEquations> blocks((pairs.size() + kBlock - 1) / kBlock);
   ParallelFor(static_cast<int>(blocks.size()), [&](int block) {
     NormalEquations& sum = blocks[static_cast<size_t>(block)];
     const size_t begin = static_cast<size_t>(block) * kBlock;
     for (size_t i = begin; i < std::min(pairs.size(), begin + kBlock); ++i) {
-      const ElementPair& pair = pairs[i];
+      const SurfelPair& pair = pairs[i];
       const double weight =
           KernelWeight(pair.residual * pair.inverse_sigma, kernel_scale) * pair.inverse_sigma * pair.inverse_sigma;
       const Vector6d J = Jacobian(pair.point_target, pair.normal);
@@ -189,7 +189,7 @@ Vector21d PackSymmetric(const Matrix6d& A) {
   return packed;
 }
 
-void MeasureResiduals(const std::vector<ElementPair>& pairs, double kernel_scale, SurfaceFit& fit) {
+void MeasureResiduals(const std::vector<SurfelPair>& pairs, double kernel_scale, SurfaceFit& fit) {
   std::vector<double> magnitudes(pairs.size());
   double weight_sum = 0.0, squared_m = 0.0;
   int inliers = 0;
@@ -209,11 +209,11 @@ void MeasureResiduals(const std::vector<ElementPair>& pairs, double kernel_scale
   fit.residual_p90_m = *p90;
 }
 
-void MeasureInformation(const std::vector<ElementPair>& pairs, double kernel_scale, SurfaceFit& fit) {
+void MeasureInformation(const std::vector<SurfelPair>& pairs, double kernel_scale, SurfaceFit& fit) {
   constexpr size_t kNoiseStride = 4;  // a sample is enough for a variance
   double weight_sum = 0.0, squared = 0.0;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    const ElementPair& pair = pairs[i];
+    const SurfelPair& pair = pairs[i];
     const double e = pair.residual * pair.inverse_sigma;
     const double kernel_weight = KernelWeight(e, kernel_scale);
     weight_sum += kernel_weight;
@@ -257,14 +257,14 @@ SurfaceFit RefineOnLevels(const std::vector<VoxelMap>& source, const std::vector
   std::vector<PairFinder> finders;
   for (size_t level = levels.finest; level <= levels.coarsest; ++level) {
     finders.emplace_back(source[level], target[level], options);
-    fit.num_elements += static_cast<int>(finders.back().num_elements());
+    fit.num_surfels += static_cast<int>(finders.back().num_surfels());
   }
-  std::vector<ElementPair> pairs;
+  std::vector<SurfelPair> pairs;
   const auto find_pairs = [&] {
     pairs.clear();
     for (const PairFinder& finder : finders) finder.Find(fit.T_target_source, pairs);
     fit.num_pairs = static_cast<int>(pairs.size());
-    return fit.num_pairs >= kMinElementPairs;
+    return fit.num_pairs >= kMinSurfelPairs;
   };
   double kernel_scale = 1.0;
   for (fit.iterations = 0; fit.iterations < options.max_iterations && !fit.converged; ++fit.iterations) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The rigid transform that lays corresponding points on each other with the least sum of squared distances, in closed
+// The rigid transform that aligns corresponding points with the least sum of squared distances, in closed
 // form: K. S. Arun, T. S. Huang, S. D. Blostein, "Least-squares fitting of two 3-D point sets", PAMI 9(5), 1987, with
 // the sign correction of S. Umeyama, PAMI 13(4), 1991, eq. (40), so that the answer is never a reflection. No scale.
 #ifndef CURVEREG_CORE_POSE_RIGID_FIT_H_

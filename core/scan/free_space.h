@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a scan saw through: the nearest and farthest return per direction, on the six faces of a cube about the sensor.
-// A point of another scan that, under the right pose, lies in front of all returns of its direction contradicts the
-// pose: the beams passed through where it claims surface. Needs no trigonometry and no attitude.
+// Free space of a scan: the nearest and farthest return per direction, on the six faces of a cube about the sensor.
+// Beams passed through everything in front of their returns. A point of another scan that lies there under a pose
+// contradicts the pose. The visibility test is that of occupancy grids [Moravec 1985], kept as ranges per direction
+// instead of cells: no grid of the volume, no trigonometry, any attitude.
 #ifndef CURVEREG_CORE_SCAN_FREE_SPACE_H_
 #define CURVEREG_CORE_SCAN_FREE_SPACE_H_
 
@@ -42,7 +43,7 @@ class FreeSpace {
   CubeMap cube_;
   struct Interval {
     float nearest, farthest;  // [m]; nearest > farthest where nothing was measured
-    bool measured;            // in this very bin, not only in a neighbour: beams that came back nowhere prove nothing
+    bool measured;            // in this very bin, not only in a neighbour: beams without a return prove nothing
   };
   std::vector<Interval> bins_;  // of cube_, each widened to its neighbours
 };

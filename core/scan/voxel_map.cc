@@ -187,7 +187,7 @@ Surfel SurfelFromMoments(const Moments& m, const Eigen::Vector3d& centre, double
   surfel.mean = mean.cast<float>();
   surfel.normal = normal.cast<float>();
   surfel.covariance = covariance.cast<float>();
-  surfel.representative = m.first;
+  surfel.first_point = m.first;
   surfel.normal_variance = std::max(0.0F, static_cast<float>(solver.eigenvalues()[0]));
   surfel.middle_variance = std::max(0.0F, static_cast<float>(solver.eigenvalues()[1]));
   surfel.count = static_cast<int>(m.n);

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Surface elements of a scan on cubic grids: per cell the mean, covariance and normal of its points. Built once per
-// scan in the sensor frame; levelling reads planes off it, refinement lays one scan's elements on the other's.
-// The coarser levels are sums of the finer one's moments, so three levels cost one pass over the points.
+// Surfels of a scan on cubic grids: per cell the mean, covariance and normal of its points, the cells of the normal
+// distributions transform [NDT]. Built once per scan in the sensor frame; levelling finds planes among them, refinement
+// aligns the source's surfels to the target's. The coarser levels are sums of the finer one's moments, so three levels
+// cost one pass over the points.
 // Grids are aligned with the sensor frame's origin. Moments are summed in a fixed order: same bytes at any thread
 // count.
 #ifndef CURVEREG_CORE_SCAN_VOXEL_MAP_H_
@@ -18,26 +19,26 @@
 namespace curvereg {
 
 struct Surfel {
-  Eigen::Vector3f mean;            // [m]
-  Eigen::Vector3f normal;          // unit eigenvector of the smallest variance, pointing to the sensor's side
-  Eigen::Matrix3f covariance;      // [m^2]
-  Eigen::Vector3f representative;  // the cell's point nearest to its mean's cell order: its first point [m]
-  float normal_variance = 0.0F;    // smallest eigenvalue [m^2]
-  float middle_variance = 0.0F;    // middle eigenvalue [m^2]; small when the points lie on a line
-  int count = 0;                   // points in the cell
-  bool has_normal = false;         // false when the points lie on a line (one scan ring): the normal means nothing
+  Eigen::Vector3f mean;          // [m]
+  Eigen::Vector3f normal;        // unit eigenvector of the smallest variance, pointing to the sensor's side
+  Eigen::Matrix3f covariance;    // [m^2]
+  Eigen::Vector3f first_point;   // the first of the cell's points in the scan's order, as measured [m]
+  float normal_variance = 0.0F;  // smallest eigenvalue [m^2]
+  float middle_variance = 0.0F;  // middle eigenvalue [m^2]; small when the points lie on a line
+  int count = 0;                 // points in the cell
+  bool has_normal = false;       // false when the points lie on a line (one scan ring): the normal means nothing
 };
 
 // Cells with enough points of one grid, findable by position.
 class VoxelMap {
  public:
   VoxelMap() = default;
-  // Elements and the packed keys of their cells, same order, distinct keys.
+  // Surfels and the packed keys of their cells, same order, distinct keys.
   VoxelMap(double cell_m, std::vector<Surfel> surfels, const std::vector<uint64_t>& keys);
 
   double cell_m() const { return cell_m_; }
   const std::vector<Surfel>& surfels() const { return surfels_; }
-  // Index of the element whose cell holds `point` [m], -1 where there is none.
+  // Index of the surfel whose cell holds `point` [m], -1 where there is none.
   int Find(const Eigen::Vector3f& point) const;
   // Heap memory that the map holds.
   size_t MemoryBytes() const {

@@ -126,7 +126,7 @@ void GaussianBlur3x3(double sigma_px, Image<float>& image) {
   }
 }
 
-void RemovePlane(const Image<uint8_t>& valid, Image<float>& image) {
+void Detrend(const Image<uint8_t>& valid, Image<float>& image) {
   // Normal equations about the image centre, one row at a time to keep the sums exact enough.
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -159,7 +159,7 @@ void RemovePlane(const Image<uint8_t>& valid, Image<float>& image) {
   }
 }
 
-void TaperBorder(int width_px, Image<float>& image) {
+void Apodize(int width_px, Image<float>& image) {
   const auto window = [width_px](int index, int size) {
     const int distance = std::min(index, size - 1 - index);
     if (distance >= width_px) return 1.0F;
@@ -173,7 +173,7 @@ void TaperBorder(int width_px, Image<float>& image) {
   }
 }
 
-Image<float> ValidShare(const Image<uint8_t>& valid, int radius) {
+Image<float> ValidFraction(const Image<uint8_t>& valid, int radius) {
   Image<int> sums(valid.rows + 1, valid.cols + 1);  // integral image
   for (int row = 0; row < valid.rows; ++row) {
     int row_sum = 0;

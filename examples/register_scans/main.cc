@@ -3,7 +3,7 @@
 //
 // register_scans HOST:PORT SOURCE TARGET
 //
-// Asks a server for the transform that lays the scan in file SOURCE on the one in TARGET, and prints it as
+// Asks a server for the transform that aligns the scan in file SOURCE to the one in TARGET, and prints it as
 // "x y z qx qy qz qw" [m; unit quaternion]. Exit status: 0 accepted, 3 rejected, 2 usage, 1 anything else.
 #include <curvereg/client.h>
 #include <curvereg/files/cloud_file.h>
@@ -35,12 +35,12 @@ int main(int argc, char** argv) {
 
   const auto result = (*client)->RegisterScans(std::cref(*source), std::cref(*target));
   if (!result.ok()) return Fail(result.status());
-  if (!result->has_pose) {
+  if (!result->T_target_source.has_value()) {
     std::printf("no pose\n");
     return 3;
   }
-  const Eigen::Vector3d translation = result->T_target_source.translation();
-  const Eigen::Quaterniond rotation(result->T_target_source.rotation());
+  const Eigen::Vector3d translation = result->T_target_source->translation();
+  const Eigen::Quaterniond rotation(result->T_target_source->rotation());
   std::printf("%.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", translation.x(), translation.y(), translation.z(), rotation.x(),
               rotation.y(), rotation.z(), rotation.w());
   return result->verdict.accepted ? 0 : 3;

@@ -25,7 +25,7 @@ static_assert(sizeof(Eigen::Vector3f) == 12);
 // An eighth of all, within these. More makes large maps quicker: fewer passes.
 constexpr uint64_t kMinWorkBytes = uint64_t{1} << 20;
 constexpr uint64_t kMaxWorkBytes = uint64_t{256} << 20;
-// One scan's free space while it is made (seen_through.h), and pieces on their way.
+// One scan's free space while it is made (dynamic_removal.h), and pieces on their way.
 constexpr uint64_t kOtherBytes = uint64_t{8} << 20;
 
 class StoredScans {
@@ -110,7 +110,7 @@ absl::StatusOr<uint64_t> WriteMap(const MapContents& contents, const Traverses::
   if (!memory.ok()) return memory.status();
   const MapInput input{source.T_segment_scan, [&](std::size_t index, const Stop&) { return scans.Load(index); }};
   const PointMapOptions options{
-      .cell_m = contents.cell_m, .remove_seen_through = contents.remove_seen_through, .max_memory_bytes = work_bytes};
+      .cell_m = contents.cell_m, .remove_dynamic = contents.remove_seen_through, .max_memory_bytes = work_bytes};
   return contents.kind == v1::MAP_KIND_ELEVATION_ASCII ? WriteElevation(input, options, sink, stop)
                                                        : WritePoints(input, options, sink, stop);
 }

@@ -12,10 +12,12 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <shared_mutex>
 #include <utility>
 #include <vector>
 
+#include "core/methods/registration_names.h"
 #include "core/register_scans.h"
 #include "server/operations/metric_children.h"
 #include "server/operations/process_statistics.h"
@@ -235,14 +237,14 @@ void Metrics::Registered(const RegistrationResult& result) {
   const bool is_rejected = !result.verdict.accepted;
   const Reason reason = reasons.empty() ? Reason::kNotRun : reasons.front();
   state_->verdicts.Get(is_rejected ? std::string(ReasonName(reason)) : std::string()).Increment();
-  const Evidence& evidence = result.evidence;  // -1: not computed
+  const Evidence& evidence = result.evidence;  // a measure without a value is below 0
   state_->attempts.Observe(evidence.num_attempts);
   state_->hypotheses.Observe(evidence.num_hypotheses);
   state_->inliers.Observe(evidence.num_inliers);
   state_->registered_points.Increment(static_cast<double>(evidence.num_source_points + evidence.num_target_points));
-  if (evidence.residual_rmse_m >= 0.0) state_->residual.Observe(evidence.residual_rmse_m);
-  const double overlap = std::min(evidence.overlap_source, evidence.overlap_target);
-  if (overlap >= 0.0) state_->overlap.Observe(overlap);
+  if (evidence.residual_rmse_m >= 0.0) state_->residual.Observe(*evidence.residual_rmse_m);
+  const std::optional<double> overlap = std::min(evidence.overlap_source, evidence.overlap_target);
+  if (overlap >= 0.0) state_->overlap.Observe(*overlap);
 }
 
 void Metrics::ScanReceived(uint64_t num_points) {

@@ -6,8 +6,9 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "core/methods/registration_names.h"
 #include "core/register_scans.h"
-#include "wire/conversion.h"
+#include "wire/options_conversion.h"
 
 namespace curvereg::server {
 namespace {

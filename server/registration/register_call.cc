@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/methods/registration_names.h"
 #include "core/register_scans.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/options_conversion.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg::server {
 namespace {

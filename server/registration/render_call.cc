@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/parallel.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/options_conversion.h"
 
 namespace curvereg::server {
 namespace {

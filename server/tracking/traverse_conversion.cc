@@ -6,10 +6,12 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/methods/registration_names.h"
 #include "core/register_scans.h"
 #include "server/store/scan_identity.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
+#include "wire/options_conversion.h"
+#include "wire/result_conversion.h"
 #include "wire/timestamp.h"
 #include "wire/trajectory_conversion.h"
 

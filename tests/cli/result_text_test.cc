@@ -24,9 +24,7 @@ TEST(RegistrationText, ARejectionShowsNoTransformItDoesNotHave) {
 
 TEST(RegistrationText, ShowsPoseSigmaAndDegeneracy) {
   RegistrationResult result;
-  result.has_pose = true;
   result.T_target_source = Eigen::Translation3d(3.0, 4.0, 0.0) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ());
-  result.has_covariance = true;
   result.covariance = Matrix6d::Identity() * 1e-4;
   result.verdict = {.accepted = true, .reasons = {}};
   result.degenerate_directions.push_back(
@@ -45,12 +43,12 @@ TEST(RegistrationText, ShowsPoseSigmaAndDegeneracy) {
 TEST(EvaluationText, OneLinePerMethodAndDashesForNothing) {
   Evaluation evaluation{.dataset = "yard", .methods = {}};
   evaluation.methods.emplace_back().summary = Summarise({});
-  evaluation.methods.back().summary.strangers = 3;
+  evaluation.methods.back().summary.negatives = 3;
   const std::string text = EvaluationText(evaluation);
   EXPECT_THAT(text, HasSubstr("yard\n"));
   EXPECT_THAT(text, HasSubstr("curvelet          0     0"));
   EXPECT_THAT(text, HasSubstr(" - "));
-  EXPECT_THAT(text, HasSubstr("0 of 3 pairs of strangers accepted"));
+  EXPECT_THAT(text, HasSubstr("0 of 3 negative pairs accepted"));
   EXPECT_THAT(text, Not(HasSubstr("nan")));
 }
 

@@ -15,10 +15,10 @@
 namespace curvereg::cli {
 namespace {
 
-sim::Simulation Small(bool strangers = false) {
+sim::Simulation Small(bool separate_worlds = false) {
   sim::SimulationOptions options;
-  options.num_scans = strangers ? 5 : 3;
-  options.strangers = strangers;
+  options.num_scans = separate_worlds ? 5 : 3;
+  options.separate_worlds = separate_worlds;
   options.scanner.pattern.columns = 60;
   options.scanner.pattern.rows = 40;
   absl::StatusOr<sim::Simulation> simulation = sim::Simulation::Create(options);
@@ -64,17 +64,17 @@ TEST(SimulatedDatasetTest, LeftoversOfAnotherDataSetAreRefused) {
   EXPECT_FALSE(WriteSimulatedDataset(Small(), folder.File("missing"), {}).ok());
 }
 
-TEST(SimulatedDatasetTest, StrangersHaveNoPoses) {
+TEST(SimulatedDatasetTest, NegativePairsHaveNoPoses) {
   const testing::TemporaryFolder folder;
   const sim::Simulation simulation = Small(true);
   ASSERT_TRUE(WriteSimulatedDataset(simulation, folder.path(), {}).ok());
   EXPECT_FALSE(std::filesystem::exists(folder.File("poses.txt")));
-  std::ifstream file(folder.File("strangers.txt"));
+  std::ifstream file(folder.File("negatives.txt"));
   std::string line;
   std::size_t num_pairs = 0;
   while (std::getline(file, line)) num_pairs += line.starts_with('#') ? 0 : 1;
   EXPECT_GT(num_pairs, 0U);
-  EXPECT_EQ(num_pairs, simulation.Strangers().size());
+  EXPECT_EQ(num_pairs, simulation.NegativePairs().size());
 }
 
 TEST(SimulatedDatasetTest, StopsWhenInterrupted) {

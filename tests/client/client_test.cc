@@ -14,9 +14,9 @@
 #include "tests/client/scripted_server.h"
 #include "tests/testing/scenes.h"
 #include "tests/testing/silent_server.h"
-#include "wire/conversion.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg {
 namespace {
@@ -31,8 +31,8 @@ using Clock = std::chrono::steady_clock;
 
 RegistrationResult KnownResult() {
   RegistrationResult result;
-  result.has_pose = true;
-  result.T_target_source.translation() = Eigen::Vector3d(1, 2, 3);
+  result.T_target_source = RigidTransform::Identity();
+  result.T_target_source->translation() = Eigen::Vector3d(1, 2, 3);
   result.seed = 7;
   return result;
 }
@@ -60,7 +60,7 @@ TEST(ClientTest, SendsAnInlineScanAndANameAndReadsTheResult) {
   options.time_budget_s = 2.5;
   const auto result = ConnectTo(server.target())->RegisterScans(std::cref(scan), std::string("scans/b"), options);
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->T_target_source.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(result->T_target_source->translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(result->seed, 7U);
   EXPECT_EQ(received.target().name(), "scans/b");
   EXPECT_EQ(received.options().seed(), 5U);

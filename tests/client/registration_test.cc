@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/client/scripted_server.h"
-#include "wire/conversion.h"
 #include "wire/duration.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg {
 namespace {
@@ -115,7 +115,7 @@ TEST_F(BudgetTest, AServerThatIsLateIsNotWaitedFor) {
   const auto result = Register(options);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_LT(Clock::now() - start, seconds(8));
-  EXPECT_FALSE(result->has_pose);
+  EXPECT_FALSE(result->T_target_source.has_value());
   EXPECT_FALSE(result->verdict.accepted);
   EXPECT_THAT(result->verdict.reasons, ElementsAre(Reason::kDeadline));
   EXPECT_EQ(result->seed, 9U);

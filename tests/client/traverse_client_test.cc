@@ -15,7 +15,7 @@
 #include "tests/client/fake_traverse_server.h"
 #include "tests/client/scripted_server.h"
 #include "tests/testing/scenes.h"
-#include "wire/conversion.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg {
 namespace {
@@ -169,7 +169,6 @@ TEST(TraverseClientTest, ReadsALinkAsItTravels) {
   link.set_target_sequence_number(2);
   link.set_loop_closure(true);
   RegistrationResult registration;
-  registration.has_pose = true;
   registration.T_target_source = testing::UprightPose(1, -2, 0.4);
   registration.verdict.reasons = {Reason::kAmbiguous, Reason::kOverlapTooLow};
   registration.evidence.residual_rmse_m = 0.125;
@@ -182,7 +181,7 @@ TEST(TraverseClientTest, ReadsALinkAsItTravels) {
   EXPECT_FALSE(read->accepted);
   EXPECT_THAT(read->reasons, ::testing::UnorderedElementsAre(Reason::kAmbiguous, Reason::kOverlapTooLow));
   ASSERT_TRUE(read->T_target_source.has_value());
-  EXPECT_TRUE(read->T_target_source->isApprox(registration.T_target_source, 1e-6));
+  EXPECT_TRUE(read->T_target_source->isApprox(*registration.T_target_source, 1e-6));
   EXPECT_FALSE(read->sigma.has_value());
   EXPECT_EQ(read->residual_rmse_m, 0.125);
   EXPECT_EQ(read->overlap, -1.0);

@@ -48,7 +48,6 @@ class EvaluateTest : public ::testing::Test {
     seen_.push_back(options.method);
     if (target.points.size() == 12) return absl::InvalidArgumentError("flat");
     RegistrationResult result;
-    result.has_pose = true;
     result.T_target_source = Eigen::Translation3d(1.0, 0.0, 0.0);
     result.verdict = {.accepted = source.points.size() == 11, .reasons = {}};
     return result;
@@ -88,15 +87,15 @@ TEST_F(EvaluateTest, ReadsEachScanOnce) {
   for (const auto& [path, count] : num_loads_) EXPECT_EQ(count, 1) << path;
 }
 
-TEST_F(EvaluateTest, FailedCallsAndStrangersAreOutcomes) {
+TEST_F(EvaluateTest, FailedCallsAndNegativePairsAreOutcomes) {
   const auto evaluation = Evaluate(dataset_, {{"0", "2"}, {"1", "0"}}, options_);
   ASSERT_TRUE(evaluation.ok()) << evaluation.status();
   const MethodEvaluation& run = evaluation->methods[0];
   ASSERT_EQ(run.outcomes.size(), 4u);
   EXPECT_EQ(run.outcomes[2].error, "flat");
   EXPECT_FALSE(run.outcomes[2].result.verdict.accepted);
-  EXPECT_EQ(run.summary.strangers, 2);
-  EXPECT_EQ(run.summary.strangers_accepted, 1);
+  EXPECT_EQ(run.summary.negatives, 2);
+  EXPECT_EQ(run.summary.negatives_accepted, 1);
   EXPECT_EQ(run.summary.accepted_wrong, 1);
   EXPECT_EQ(run.summary.failed_calls, 1);
 }

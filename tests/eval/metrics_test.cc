@@ -14,7 +14,6 @@ namespace {
 PairOutcome Answer(double metres, double radians, bool accepted) {
   PairOutcome outcome;
   outcome.true_T_target_source = TransformFromVector((Vector6d() << 0.1, -0.2, 0.3, 4.0, 5.0, 6.0).finished());
-  outcome.result.has_pose = true;
   outcome.result.T_target_source = Eigen::Translation3d(metres, 0.0, 0.0) * *outcome.true_T_target_source *
                                    Eigen::AngleAxisd(radians, Eigen::Vector3d::UnitZ());
   outcome.result.verdict.accepted = accepted;
@@ -38,10 +37,10 @@ TEST(PoseError, MeasuresTranslationAndRotation) {
 
 TEST(PoseError, IsUnknownWithoutPoseOrTruth) {
   EXPECT_TRUE(std::isnan(PoseError(NoPose()).translation_m));
-  PairOutcome stranger = Answer(0.0, 0.0, true);
-  stranger.true_T_target_source.reset();
-  EXPECT_TRUE(std::isnan(PoseError(stranger).rotation_rad));
-  EXPECT_FALSE(IsOk(stranger));
+  PairOutcome negative = Answer(0.0, 0.0, true);
+  negative.true_T_target_source.reset();
+  EXPECT_TRUE(std::isnan(PoseError(negative).rotation_rad));
+  EXPECT_FALSE(IsOk(negative));
 }
 
 TEST(IsOk, BothBoundsAreExclusiveAndBothCount) {
@@ -72,15 +71,15 @@ TEST(Summarise, CountsEveryFailure) {
   EXPECT_DOUBLE_EQ(summary.p95_s, 2.6);
 }
 
-TEST(Summarise, AcceptedStrangersAreWrong) {
+TEST(Summarise, AcceptedNegativePairsAreWrong) {
   PairOutcome accepted = Answer(0.0, 0.0, true);
   accepted.true_T_target_source.reset();
   PairOutcome rejected = NoPose();
   rejected.true_T_target_source.reset();
   const MethodSummary summary = Summarise(std::vector<PairOutcome>{accepted, rejected, Answer(0.1, 0.0, true)});
   EXPECT_EQ(summary.pairs, 1);
-  EXPECT_EQ(summary.strangers, 2);
-  EXPECT_EQ(summary.strangers_accepted, 1);
+  EXPECT_EQ(summary.negatives, 2);
+  EXPECT_EQ(summary.negatives_accepted, 1);
   EXPECT_EQ(summary.accepted, 2);
   EXPECT_EQ(summary.accepted_wrong, 1);
   EXPECT_EQ(summary.no_pose, 0);

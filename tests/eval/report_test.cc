@@ -31,7 +31,6 @@ PairOutcome Outcome(int source, double error_m, bool accepted) {
   outcome.source = std::to_string(source);
   outcome.target = std::to_string(source - 1);
   outcome.true_T_target_source = Eigen::Translation3d(1.0, 0.0, 0.0);
-  outcome.result.has_pose = true;
   outcome.result.T_target_source = Eigen::Translation3d(1.0, error_m, 0.0);
   outcome.result.verdict = {.accepted = accepted, .reasons = {}};
   if (!accepted) outcome.result.verdict.reasons = {Reason::kOverlapTooLow};
@@ -39,7 +38,7 @@ PairOutcome Outcome(int source, double error_m, bool accepted) {
   return outcome;
 }
 
-// Three scans in a row; the first pair is right, the second wrong and rejected; one failed pair of strangers.
+// Three scans in a row; the first pair is right, the second wrong and rejected; one failed negative pair.
 class ReportTest : public ::testing::Test {
  protected:
   ReportTest() {
@@ -52,10 +51,10 @@ class ReportTest : public ::testing::Test {
     evaluation_.dataset = dataset_.folder;
     MethodEvaluation& run = evaluation_.methods.emplace_back();
     run.outcomes = {Outcome(1, 0.001, true), Outcome(2, 3.0, false)};
-    PairOutcome& stranger = run.outcomes.emplace_back();
-    stranger.source = "2";
-    stranger.target = "0";
-    stranger.error = "cannot <do>";
+    PairOutcome& negative = run.outcomes.emplace_back();
+    negative.source = "2";
+    negative.target = "0";
+    negative.error = "cannot <do>";
     run.summary = Summarise(run.outcomes);
     options_.load_scan = [](const std::string&) -> absl::StatusOr<Scan> {
       Scan scan;

@@ -33,7 +33,7 @@ SurfaceThickness::Result TwoScans(double noise_m, double height_error_m) {
   return thickness.Measure();
 }
 
-TEST(SurfaceThicknessTest, IsTheNoiseWhereScansAreLaidRight) {
+TEST(SurfaceThicknessTest, IsTheNoiseWhereScansAreAlignedRight) {
   EXPECT_NEAR(TwoScans(0.0, 0.0).median_m, 0.0, 1e-4);  // rounding of float32
   EXPECT_NEAR(TwoScans(0.01, 0.0).median_m, 0.01, 0.001);
   EXPECT_GE(TwoScans(0.01, 0.0).num_cells, 64);

@@ -78,7 +78,7 @@ TEST(MeasureTrajectoryTest, ApeIsTheLeastOverAllAlignments) {
   }
 }
 
-TEST(MeasureTrajectoryTest, OnOneLineTheFirstPoseIsLaidOnItsTruth) {
+TEST(MeasureTrajectoryTest, OnOneLineTheFirstPoseIsAlignedToItsTruth) {
   std::vector<PosePair> poses;
   for (int i = 0; i < 5; ++i) {
     poses.push_back({.T_estimate_scan = Pose(1.1 * i, 0.0, 0.5), .T_truth_scan = Pose(i, 0.0, 0.5)});

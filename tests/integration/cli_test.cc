@@ -40,7 +40,7 @@ class CliTest : public ::testing::Test {
     data_ = new testing::TemporaryFolder;
     const Finished made = RunIn(data_->path(), "simulate --preset sparse --scans 3 --seed 5 --out yard");
     ASSERT_EQ(made.status, 0) << made.err;
-    ASSERT_EQ(RunIn(data_->path(), "simulate --preset strangers --scans 3 --seed 5 --out apart").status, 0);
+    ASSERT_EQ(RunIn(data_->path(), "simulate --preset negatives --scans 3 --seed 5 --out apart").status, 0);
   }
   static void TearDownTestSuite() { delete data_; }
 
@@ -131,7 +131,7 @@ TEST_F(CliTest, TheSameAnswerAtAnyThreadCount) {
   EXPECT_EQ(one, two);
 }
 
-TEST_F(CliTest, StrangersAreDoneButRejected) {
+TEST_F(CliTest, NegativePairsAreDoneButRejected) {
   const Finished finished = Run("register apart/0000.pcd apart/0001.pcd --json");
   EXPECT_EQ(finished.status, 3) << finished.out << finished.err;
   const json result = json::parse(finished.out);
@@ -214,10 +214,23 @@ TEST_F(CliTest, EveryChangesThePairs) {
   ExpectRefused("evaluate yard --every 3 --out report3", "no pair");
 }
 
-TEST_F(CliTest, AcceptedStrangersWouldBeCounted) {
+TEST_F(CliTest, AcceptedNegativePairsWouldBeCounted) {
   const json report = json::parse(Run("evaluate apart --out report4 --json").out);
-  EXPECT_EQ(report["methods"][0]["strangers"], 3);
+  EXPECT_EQ(report["methods"][0]["negatives"], 3);
   EXPECT_EQ(report["methods"][0]["accepted_wrong"], 0);
+}
+
+TEST_F(CliTest, TheOldNamesOfNegativePairsWorkWithANotice) {
+  const Finished made = Run("simulate --preset strangers --scans 3 --seed 5 --out apart_by_old_name");
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("negatives"));
+  const std::string folder = data_->File("apart_by_old_name/");
+  EXPECT_EQ(ReadFile(folder + "negatives.txt"), ReadFile(data_->File("apart/negatives.txt")));
+  std::filesystem::rename(folder + "negatives.txt", folder + "strangers.txt");
+  const Finished evaluated = Run("evaluate apart_by_old_name --out report5 --json");
+  EXPECT_EQ(evaluated.status, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.err, HasSubstr("negatives.txt"));
+  EXPECT_EQ(json::parse(evaluated.out)["methods"][0]["negatives"], 3);
 }
 
 TEST_F(CliTest, InspectDrawsEveryStage) {

@@ -32,7 +32,7 @@ class LongWork {
   LongWork(const ServerProcess& server, std::chrono::duration<double> time)
       : client_(Client::Connect(server.target())) {
     EXPECT_THAT(client_, IsOk());
-    const testing::ScanPairWithTruth pair = testing::PairOf("strangers", 1, 0);
+    const testing::ScanPairWithTruth pair = testing::PairOf("negatives", 1, 0);
     source_ = (*client_)->UploadScan(pair.source)->scan.name;
     target_ = (*client_)->UploadScan(pair.target)->scan.name;
     Register();  // prepares the scans

@@ -158,10 +158,10 @@ TEST(YardTest, NothingIsDegenerate) {
     ASSERT_THAT(result, IsOk());
     EXPECT_TRUE(result->verdict.accepted);
     EXPECT_TRUE(result->degenerate_directions.empty()) << Text(result->degenerate_directions);
-    ASSERT_TRUE(result->has_covariance);
+    ASSERT_TRUE(result->covariance.has_value());
     // Every direction is known to a few centimetres and milliradians.
-    EXPECT_LT(result->covariance.diagonal().head<3>().maxCoeff(), 0.005 * 0.005);
-    EXPECT_LT(result->covariance.diagonal().tail<3>().maxCoeff(), 0.05 * 0.05);
+    EXPECT_LT(result->covariance->diagonal().head<3>().maxCoeff(), 0.005 * 0.005);
+    EXPECT_LT(result->covariance->diagonal().tail<3>().maxCoeff(), 0.05 * 0.05);
   }
 }
 

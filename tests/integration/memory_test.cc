@@ -94,7 +94,7 @@ class MemoryTest : public ::testing::Test {
 
 TEST_F(MemoryTest, EasyPair) { ExpectWithinLimit("mars-yard-sim 1 -> 0", testing::PairOf("mars-yard-sim", 1, 0)); }
 
-TEST_F(MemoryTest, WholeLadder) { ExpectWithinLimit("strangers 4 -> 0", testing::PairOf("strangers", 4, 0)); }
+TEST_F(MemoryTest, WholeEscalation) { ExpectWithinLimit("negatives 4 -> 0", testing::PairOf("negatives", 4, 0)); }
 
 TEST_F(MemoryTest, FewPointsManyFalseReturns) {
   ExpectWithinLimit("outliers 8 -> 4", testing::PairOf("outliers", 8, 4));
@@ -112,9 +112,9 @@ TEST_F(MemoryTest, FiveMillionPoints) {
                     {testing::Multiplied(small.source, 5'000'000), testing::Multiplied(small.target, 5'000'000), {}});
 }
 
-TEST_F(MemoryTest, FiveMillionPointsWholeLadder) {
-  const ScanPairWithTruth small = testing::PairOf("strangers", 4, 0);
-  ExpectWithinLimit("strangers x 22",
+TEST_F(MemoryTest, FiveMillionPointsWholeEscalation) {
+  const ScanPairWithTruth small = testing::PairOf("negatives", 4, 0);
+  ExpectWithinLimit("negatives x 22",
                     {testing::Multiplied(small.source, 5'000'000), testing::Multiplied(small.target, 5'000'000), {}});
 }
 

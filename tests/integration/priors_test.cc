@@ -92,11 +92,11 @@ TEST(PriorTest, BeyondFiveSigmaItIsExcluded) {
     ASSERT_THAT(result, IsOk());
     EXPECT_FALSE(result->verdict.accepted);
     EXPECT_FALSE(result->verdict.reasons.empty());
-    if (result->has_pose) {
-      const RigidTransform off = result->T_target_source * prior.T_target_source.inverse();
+    if (result->T_target_source.has_value()) {
+      const RigidTransform off = *result->T_target_source * prior.T_target_source.inverse();
       Vector6d error;
       error << VectorFromRotation(off.linear()),
-          result->T_target_source.translation() - prior.T_target_source.translation();
+          result->T_target_source->translation() - prior.T_target_source.translation();
       // A refinement may carry it to the edge, not over to the true pose.
       EXPECT_LT(std::sqrt(error.dot(prior.covariance->ldlt().solve(error))), 6.0);
     }

@@ -60,7 +60,7 @@ TEST_F(ServerLifecycleTest, RegistersInlineAndStoredScansAlike) {
   ASSERT_THAT(target, IsOk());
   const auto stored_result = (*client)->RegisterScans(source->scan.name, target->scan.name);
   ASSERT_THAT(stored_result, IsOk());
-  EXPECT_EQ(stored_result->T_target_source.matrix(), inline_result->T_target_source.matrix());
+  EXPECT_EQ(stored_result->T_target_source->matrix(), inline_result->T_target_source->matrix());
   EXPECT_EQ(stored_result->source_digest, inline_result->source_digest);
   EXPECT_EQ(stored_result->evidence.num_inliers, inline_result->evidence.num_inliers);
 }

@@ -123,20 +123,20 @@ TEST(SimulatedAccuracyTest, EverySetKeepsItsPromises) {
   EXPECT_LE(num_rejected_right, 0.01 * num_pairs);
 }
 
-TEST(SimulatedAccuracyTest, NoPairOfStrangersIsAccepted) {
-  const absl::StatusOr<sim::Simulation> simulation = Simulated("strangers");
+TEST(SimulatedAccuracyTest, NoNegativePairIsAccepted) {
+  const absl::StatusOr<sim::Simulation> simulation = Simulated("negatives");
   ASSERT_THAT(simulation, IsOk());
   const std::vector<Prepared> scans = PreparedScans(*simulation);
   std::vector<PairOutcome> outcomes;
-  for (const auto& [source, target] : simulation->Strangers()) {
+  for (const auto& [source, target] : simulation->NegativePairs()) {
     outcomes.push_back(Register(scans, source, target, std::nullopt));
   }
   const MethodSummary summary = Summarise(outcomes);
   testing::PrintHeader();
-  testing::PrintSummary("strangers", summary);
+  testing::PrintSummary("negatives", summary);
   testing::PrintTroubles(outcomes);
-  EXPECT_EQ(summary.strangers, 200);
-  EXPECT_EQ(summary.strangers_accepted, 0);
+  EXPECT_EQ(summary.negatives, 200);
+  EXPECT_EQ(summary.negatives_accepted, 0);
   EXPECT_EQ(summary.failed_calls, 0);
 }
 

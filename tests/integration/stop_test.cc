@@ -76,11 +76,11 @@ RegistrationOptions With(Method method) {
 
 constexpr std::initializer_list<double> kMoments = {0, 1, 2, 5, 10, 20, 35, 50, 75, 100, 150, 200, 300};
 
-// Strangers climb the whole ladder: every stage is met.
-TEST(StopTest, CancelledWhileTheLadderIsClimbed) {
+// Pairs without overlap run every escalation step, so that every stage is met.
+TEST(StopTest, CancelledDuringEscalation) {
   for (const auto& [source, target] : {std::pair(4, 0), std::pair(2, 0)}) {
-    const ScanPairWithTruth pair = testing::PairOf("strangers", source, target);
-    std::printf("strangers %d -> %d\n", source, target);
+    const ScanPairWithTruth pair = testing::PairOf("negatives", source, target);
+    std::printf("negatives %d -> %d\n", source, target);
     std::printf("longest %.1f ms\n", 1e3 * LongestCancellation(pair, With(Method::kCurvelet), kMoments));
   }
 }
@@ -99,7 +99,7 @@ TEST(StopTest, CancelledWhileOtherMethodsRun) {
 }
 
 TEST(StopTest, CancelledOnTenMillionPoints) {
-  const ScanPairWithTruth small = testing::PairOf("strangers", 4, 0);
+  const ScanPairWithTruth small = testing::PairOf("negatives", 4, 0);
   const ScanPairWithTruth pair{testing::Multiplied(small.source, 10'000'000),
                                testing::Multiplied(small.target, 10'000'000), small.T_target_source};
   const std::vector<double> moments = {0, 2, 10, 30, 60, 100, 200, 300, 400, 500, 700, 1000, 1500, 2000, 3000};
@@ -144,8 +144,8 @@ void ExpectWithinBudgets(const ScanPairWithTruth& pair, Method method, const std
 
 constexpr std::initializer_list<double> kBudgets = {0.001, 0.1, 1, 2, 5, 10, 20, 35, 50, 100, 200, 400};
 
-TEST(StopTest, AnswersInTimeOnStrangers) {
-  ExpectWithinBudgets(testing::PairOf("strangers", 4, 0), Method::kCurvelet, kBudgets);
+TEST(StopTest, AnswersInTimeOnNegativePairs) {
+  ExpectWithinBudgets(testing::PairOf("negatives", 4, 0), Method::kCurvelet, kBudgets);
 }
 
 TEST(StopTest, AnswersInTimeWithEveryMethod) {
@@ -165,7 +165,7 @@ TEST(StopTest, AGenerousBudgetChangesNothing) {
   ASSERT_THAT(without, IsOk());
   ASSERT_THAT(with, IsOk());
   EXPECT_TRUE(with->verdict.accepted);
-  EXPECT_EQ(with->T_target_source.matrix(), without->T_target_source.matrix());
+  EXPECT_EQ(with->T_target_source->matrix(), without->T_target_source->matrix());
 }
 
 TEST(StopTest, ThePoseOfACutAnswerIsTheBestSoFar) {
@@ -177,11 +177,11 @@ TEST(StopTest, ThePoseOfACutAnswerIsTheBestSoFar) {
     options.time_budget_s = share * whole->total_seconds;
     const auto cut = RegisterScans(pair.source, pair.target, options);
     ASSERT_THAT(cut, IsOk());
-    if (!cut->has_pose) {
-      EXPECT_TRUE(cut->T_target_source.isApprox(RigidTransform::Identity()));
+    if (!cut->T_target_source.has_value()) {
       EXPECT_THAT(cut->verdict.reasons, ::testing::ElementsAre(Reason::kDeadline));
+      continue;
     }
-    EXPECT_TRUE(IsRigid(cut->T_target_source));
+    EXPECT_TRUE(IsRigid(*cut->T_target_source));
   }
 }
 

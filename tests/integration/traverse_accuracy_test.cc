@@ -79,13 +79,13 @@ void ExpectWrongLinksToMoveNoPose(const Traverse& linked, const DriveScans& driv
     if (random.Uniform() > 0.1) continue;
     Vector6d delta;
     for (int i = 0; i < 6; ++i) delta[i] = i < 3 ? random.Uniform(-0.5, 0.5) : random.Uniform(-10.0, 10.0);
-    link.result.T_target_source = TransformFromVector(delta) * link.result.T_target_source;
+    link.result.T_target_source = TransformFromVector(delta) * *link.result.T_target_source;
     ++num_wrong;
   }
   ASSERT_GE(num_wrong, 10);
   // What tracking made of the wrong ones.
   for (size_t i = 1; i < wrong.poses.size(); ++i) {
-    wrong.poses[i].T_segment_scan = wrong.poses[i - 1].T_segment_scan * wrong.links[i - 1].result.T_target_source;
+    wrong.poses[i].T_segment_scan = wrong.poses[i - 1].T_segment_scan * *wrong.links[i - 1].result.T_target_source;
   }
   PrintErrors("mars-yard-sim, one link in ten wrong", wrong, drive);
   Revise(right);

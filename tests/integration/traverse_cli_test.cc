@@ -171,8 +171,13 @@ TEST_F(TraverseCliTest, MapsComeAsCloudsAndAsGrids) {
   ASSERT_TRUE(points.ok()) << points.status();
   EXPECT_EQ(json::parse(cloud.out)["num_cells"], points->points.size());
   EXPECT_GT(points->points.size(), 1000U);
-  const Finished cleaned = Asking("map drive --out cleaned.pcd --cell 0.2 --remove-seen-through");
+  const Finished cleaned = Asking("map drive --out cleaned.pcd --cell 0.2 --remove-dynamic");
   EXPECT_EQ(cleaned.status, 0) << cleaned.err;
+  EXPECT_EQ(cleaned.err.find("warning"), std::string::npos) << cleaned.err;
+  const Finished by_old_name = Asking("map drive --out by_old_name.pcd --cell 0.2 --remove-seen-through");
+  EXPECT_EQ(by_old_name.status, 0) << by_old_name.err;
+  EXPECT_THAT(by_old_name.err, HasSubstr("--remove-dynamic"));
+  EXPECT_EQ(ReadFile(File("by_old_name.pcd")), ReadFile(File("cleaned.pcd")));
   EXPECT_EQ(Asking("map drive --out heights.asc --cell 0.5").status, 0);
   EXPECT_THAT(ReadFile(File("heights.asc")), HasSubstr("ncols"));
   EXPECT_EQ(Asking("map drive --out map.tiff").status, 2);

@@ -110,10 +110,10 @@ TEST(PresetsTest, FlatIsTheYardAtATenth) {
   }
 }
 
-TEST(PresetsTest, StrangersShareNothing) {
-  const Simulation simulation = Make("strangers");
+TEST(PresetsTest, NegativePairsShareNothing) {
+  const Simulation simulation = Make("negatives");
   ASSERT_EQ(simulation.num_scans(), 40);
-  const std::vector<std::pair<int, int>> pairs = simulation.Strangers();
+  const std::vector<std::pair<int, int>> pairs = simulation.NegativePairs();
   EXPECT_EQ(pairs.size(), 200U);
   std::set<std::pair<int, int>> distinct;
   for (const auto& [source, target] : pairs) {

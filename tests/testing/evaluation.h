@@ -14,6 +14,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/parallel.h"
+#include "core/methods/registration_names.h"
 #include "core/register_scans.h"
 #include "eval/metrics.h"
 
@@ -51,7 +52,7 @@ inline void PrintHeader() {
 
 // The figures of `curvereg evaluate`; the time is that of a pair of scans prepared before.
 inline void PrintSummary(const std::string& name, const MethodSummary& s) {
-  std::printf("%-34s %5d %5d %8d %5d %8d %7d %8.2f %8.3f %8.2f %8.3f %7.1f\n", name.c_str(), s.pairs + s.strangers,
+  std::printf("%-34s %5d %5d %8d %5d %8d %7d %8.2f %8.3f %8.2f %8.3f %7.1f\n", name.c_str(), s.pairs + s.negatives,
               s.ok, s.accepted, s.accepted_wrong, s.rejected_right, s.no_pose, 1e3 * s.rmse_translation_m,
               1e3 * s.rmse_rotation_rad, 1e3 * s.rmse_ok_translation_m, 1e3 * s.rmse_ok_rotation_rad, 1e3 * s.median_s);
   std::fflush(stdout);
@@ -66,15 +67,16 @@ inline std::string Describe(const PairOutcome& outcome) {
   const TransformDifference error = PoseError(outcome);
   std::string verdict = result.verdict.accepted ? "accepted" : "rejected";
   for (const Reason reason : result.verdict.reasons) verdict.append(" ").append(ReasonName(reason));
+  const auto value = [](const std::optional<double>& measure) { return measure.value_or(-1.0); };
   return absl::StrFormat(
       "%s -> %s %s: off by %.3f m, %.4f rad; overlap %.2f %.2f, free space %.3f, correlation %.2f, inliers %.2f, "
       "runner-up %.2f, attempts %d %s",
-      outcome.source, outcome.target, verdict, error.translation_m, error.rotation_rad, evidence.overlap_source,
-      evidence.overlap_target, evidence.free_space_agreement, evidence.image_correlation, evidence.inlier_fraction,
-      evidence.runner_up_ratio, evidence.num_attempts, outcome.error);
+      outcome.source, outcome.target, verdict, error.translation_m, error.rotation_rad, value(evidence.overlap_source),
+      value(evidence.overlap_target), value(evidence.free_space_agreement), value(evidence.image_correlation),
+      value(evidence.inlier_fraction), value(evidence.runner_up_ratio), evidence.num_attempts, outcome.error);
 }
 
-// Names every pair that is not both ok and accepted, and every stranger that is accepted.
+// Names every pair that is not both ok and accepted, and every negative pair that is accepted.
 inline void PrintTroubles(const std::vector<PairOutcome>& outcomes) {
   for (const PairOutcome& outcome : outcomes) {
     const bool accepted = outcome.result.verdict.accepted;

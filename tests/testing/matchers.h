@@ -7,6 +7,8 @@
 
 #include <gmock/gmock.h>
 
+#include <optional>
+
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/rigid_transform.h"
@@ -31,9 +33,13 @@ MATCHER_P(HasCode, code, "has the code " + absl::StatusCodeToString(code)) {
   return StatusOf(arg).code() == code;
 }
 
-// EXPECT_THAT(T, IsNear(T_true, 0.01, 0.001)): translations within tolerance_m, rotations within tolerance_rad.
+// EXPECT_THAT(T, IsNear(T_true, 0.01, 0.001)): translations within tolerance_m, rotations within tolerance_rad. A
+// transform that is not there is near none.
 MATCHER_P3(IsNear, T_expected, tolerance_m, tolerance_rad, "is a transform near the one given") {
-  const TransformDifference difference = Difference(T_expected, arg);
+  const std::optional<RigidTransform> T(arg);
+  const std::optional<RigidTransform> T_near(T_expected);
+  if (!T.has_value() || !T_near.has_value()) return false;
+  const TransformDifference difference = Difference(*T_near, *T);
   *result_listener << "off by " << difference.translation_m << " m, " << difference.rotation_rad << " rad";
   return difference.translation_m <= tolerance_m && difference.rotation_rad <= tolerance_rad;
 }

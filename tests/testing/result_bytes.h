@@ -3,6 +3,7 @@
 #ifndef CURVEREG_TESTS_TESTING_RESULT_BYTES_H_
 #define CURVEREG_TESTS_TESTING_RESULT_BYTES_H_
 
+#include <optional>
 #include <string>
 
 #include "core/methods/registration_result.h"
@@ -13,10 +14,10 @@ namespace curvereg::testing {
 // Every byte of a result but its times; the names of the stages count.
 inline std::string BytesOf(const RegistrationResult& result) {
   ByteLog log;
-  log.Add(result.T_target_source.data(), 16);
-  log.Add(result.has_pose);
-  log.Add(result.covariance.data(), 36);
-  log.Add(result.has_covariance);
+  log.Add(result.T_target_source.value_or(RigidTransform::Identity()).data(), 16);
+  log.Add(result.T_target_source.has_value());
+  log.Add(result.covariance.value_or(Matrix6d::Zero()).data(), 36);
+  log.Add(result.covariance.has_value());
   log.Add(result.verdict.accepted);
   for (const Reason reason : result.verdict.reasons) log.Add(static_cast<int>(reason));
   for (const DegenerateDirection& direction : result.degenerate_directions) {
@@ -29,10 +30,10 @@ inline std::string BytesOf(const RegistrationResult& result) {
                           e.num_hypotheses, e.num_attempts}) {
     log.Add(count);
   }
-  for (const double value :
+  for (const std::optional<double>& value :
        {e.overlap_source, e.overlap_target, e.free_space_agreement, e.image_correlation, e.inlier_fraction,
         e.residual_rmse_m, e.residual_median_m, e.residual_p90_m, e.runner_up_ratio}) {
-    log.Add(value);
+    log.Add(value.value_or(-1.0));
   }
   log.Add(result.seed);
   std::string bytes = log.bytes();

@@ -19,11 +19,11 @@ struct ScanPairWithTruth {
   RigidTransform T_target_source;
 };
 
-// Scans `source` and `target` of a preset; the truth means nothing for strangers.
+// Scans `source` and `target` of a preset; there is none for negative pairs.
 // Precondition: `preset` is one of sim::Presets().
 inline ScanPairWithTruth PairOf(std::string_view preset, int source, int target) {
   sim::SimulationOptions options = *sim::PresetOptions(preset);
-  options.num_scans = std::max(source, target) + 1;  // spares the worlds of other strangers
+  options.num_scans = std::max(source, target) + 1;  // omits the worlds of later scans
   const sim::Simulation simulation = *sim::Simulation::Create(options);
   return {simulation.ScanAt(source), simulation.ScanAt(target),
           simulation.T_world_scan(target).inverse() * simulation.T_world_scan(source)};

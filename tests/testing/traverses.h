@@ -82,7 +82,7 @@ inline sim::SimulationOptions SmallDrive(int num_scans) {
 }
 
 // A scan of ground that no drive saw.
-inline std::shared_ptr<const PreparedScan> StrangerScan() {
+inline std::shared_ptr<const PreparedScan> ScanElsewhere() {
   sim::SimulationOptions options = SmallDrive(1);
   options.seed = 4711;
   DriveScans drive(*sim::Simulation::Create(options));
@@ -99,7 +99,7 @@ inline Traverse TrackDrive(DriveScans& drive, const TrackingOptions& options = {
   return traverse;
 }
 
-// Distances [m] of the poses from the truth, with the first pose laid on it.
+// Distances [m] of the poses from the truth, with the first pose aligned to it.
 inline std::vector<double> PositionErrors(const Traverse& traverse, const DriveScans& drive) {
   std::vector<double> errors;
   const RigidTransform T_world_segment = drive.T_world_scan(0) * traverse.poses.front().T_segment_scan.inverse();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-//
-// Results and summaries; the other half of wire/conversion.h is tested by conversion_test.cc.
+#include "wire/result_conversion.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <limits>
 #include <string>
 
+#include "core/methods/registration_names.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/result_bytes.h"
 #include "tests/wire/conversion_samples.h"
-#include "wire/conversion.h"
 
 namespace curvereg::wire {
 namespace {
@@ -25,9 +25,7 @@ using ::curvereg::testing::IsOk;
 RegistrationResult FullResult() {
   RegistrationResult result;
   result.T_target_source = SomePose();
-  result.has_pose = true;
   result.covariance = SomeCovariance();
-  result.has_covariance = true;
   result.verdict.reasons = {Reason::kAmbiguous, Reason::kDeadline};
   for (int i = 0; i < 2; ++i) {
     DegenerateDirection direction;
@@ -82,7 +80,7 @@ TEST(ResultConversionTest, MeasuresOfZeroArePresent) {
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(back->evidence.overlap_source, 0.0);
   EXPECT_EQ(back->evidence.image_correlation, -0.5);
-  EXPECT_EQ(back->evidence.residual_rmse_m, -1.0);
+  EXPECT_EQ(back->evidence.residual_rmse_m, std::nullopt);
 }
 
 TEST(ResultConversionTest, EveryReasonComesBack) {
@@ -148,9 +146,9 @@ TEST(ResultConversionTest, SummaryHoldsWhatTheResultHolds) {
   EXPECT_EQ(summary.translation(1), -3.25);
   ASSERT_EQ(summary.rotation_size(), 4);
   const Eigen::Quaterniond rotation(summary.rotation(3), summary.rotation(0), summary.rotation(1), summary.rotation(2));
-  EXPECT_LT(rotation.angularDistance(Eigen::Quaterniond(result.T_target_source.linear())), 1e-6);
+  EXPECT_LT(rotation.angularDistance(Eigen::Quaterniond(result.T_target_source->linear())), 1e-6);
   ASSERT_EQ(summary.sigma_size(), 6);
-  EXPECT_FLOAT_EQ(summary.sigma(5), static_cast<float>(std::sqrt(result.covariance(5, 5))));
+  EXPECT_FLOAT_EQ(summary.sigma(5), static_cast<float>(std::sqrt((*result.covariance)(5, 5))));
   EXPECT_FLOAT_EQ(summary.overlap(), 0.6F);
   EXPECT_FLOAT_EQ(summary.residual_rmse_m(), 0.03F);
   EXPECT_FLOAT_EQ(summary.runner_up_ratio(), 1.5F);

@@ -29,7 +29,7 @@ TEST(BaselineTest, DefaultsAreThePapers) {
 
 TEST(BaselineTest, ResultIsBornWithoutAPose) {
   const BaselineResult result;
-  EXPECT_FALSE(result.has_pose);
+  EXPECT_FALSE(result.T_target_source.has_value());
   EXPECT_FALSE(result.converged);
 }
 

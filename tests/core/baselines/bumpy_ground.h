@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A small uneven ground with a few large rocks, small enough for the rivals to register in a second.
+// A small uneven ground with a few large rocks, small enough for the baselines to register in a second.
 #ifndef CURVEREG_TESTS_CORE_BASELINES_BUMPY_GROUND_H_
 #define CURVEREG_TESTS_CORE_BASELINES_BUMPY_GROUND_H_
 

@@ -93,7 +93,7 @@ TEST(DetectKeypointsTest, ThresholdsRejectWeakInterpolatedAndBorderPoints) {
   Image<float> share = AllValid(image);
   share(32, 32) = 0.39F;
   EXPECT_TRUE(DetectKeypoints(stack, share).empty());
-  EXPECT_EQ(DetectKeypoints(stack, share, {.min_valid_share = 0.3}).size(), 1U);
+  EXPECT_EQ(DetectKeypoints(stack, share, {.min_valid_fraction = 0.3}).size(), 1U);
 }
 
 TEST(DetectKeypointsTest, StrongestFirstAndAtMostSoMany) {

@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/mapping/tracking.h"
+#include "core/mapping/find_links.h"
+#include "core/mapping/traverse_changes.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/traverses.h"
 
@@ -118,15 +119,15 @@ TEST_F(FindLinksTest, LoopClosuresAlsoBetweenSegments) {
       std::any_of(joins->begin(), joins->end(), [](const TraverseLink& link) { return link.result.verdict.accepted; }));
 }
 
-TEST_F(FindLinksTest, AStrangerIsNotRecognised) {
+TEST_F(FindLinksTest, AScanFromElsewhereIsNotRecognised) {
   Traverse traverse = *tracked_;
   TrajectoryPose pose;
   pose.sequence_number = 9;
   pose.segment = 1;
   AppendScan(traverse, {pose, {}, -1}, std::nullopt);
-  const std::shared_ptr<const PreparedScan> stranger = testing::StrangerScan();
+  const std::shared_ptr<const PreparedScan> elsewhere = testing::ScanElsewhere();
   const auto load = [&](uint64_t number, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
-    if (number == 9) return stranger;
+    if (number == 9) return elsewhere;
     return drive_->Get(number);
   };
   TrackingOptions options;

@@ -38,7 +38,7 @@ TEST(RegisterLinkTest, IsTheRegistrationWithTheRequestsPrior) {
   options.prior = prior;
   const auto result = RegisterPreparedScans(*drive.Get(1), *drive.Get(0), options);
   ASSERT_THAT(result, IsOk());
-  EXPECT_EQ(link->result.T_target_source.matrix(), result->T_target_source.matrix());
+  EXPECT_EQ(link->result.T_target_source->matrix(), result->T_target_source->matrix());
   EXPECT_EQ(link->result.options_digest, result->options_digest);
 }
 

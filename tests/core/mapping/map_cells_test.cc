@@ -51,7 +51,7 @@ TEST(MapCellsTest, VotesAreTheSameInParts) {
       scan.points.emplace_back(2.0F + 0.01F * static_cast<float>(j), 0.1F * static_cast<float>(i), -0.3F);
     scene.Add(std::move(scan), T);
   }
-  const PointMapOptions options{.cell_m = 0.1, .remove_seen_through = true};
+  const PointMapOptions options{.cell_m = 0.1, .remove_dynamic = true};
   PointMapOptions in_parts = options;
   in_parts.max_memory_bytes = std::size_t{1} << 18;
   const auto expected = testing::PointsOf(scene, options);

@@ -34,7 +34,8 @@ TEST(RankPlacesTest, NearPlacesLookMoreAlikeThanFarOnes) {
   ASSERT_EQ(few->size(), 2U);  // those that are not kept do not count
   EXPECT_EQ((*few)[0].sequence_number, 4U);
   EXPECT_EQ((*few)[1].sequence_number, 0U);
-  EXPECT_LT(PlaceLikeness(*place, **testing::StrangerScan()->View(BirdsEyeView::kElevation, 0)), (*ranked)[0].likeness);
+  EXPECT_LT(PlaceLikeness(*place, **testing::ScanElsewhere()->View(BirdsEyeView::kElevation, 0)),
+            (*ranked)[0].likeness);
 }
 
 TEST(RankPlacesTest, ErrorsAreHandedOn) {

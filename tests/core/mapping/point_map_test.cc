@@ -141,7 +141,7 @@ TEST(PointMapTest, PointsFarApartKeepTheirPlaces) {
 TEST(PointMapTest, SameBytesAtAnyThreadCount) {
   const MapScene scene = testing::Strip(6, 3000);
   testing::ExpectSameBytesAtAnyThreadCount([&](testing::ByteLog& log) {
-    const auto points = PointsOf(scene, {.remove_seen_through = true});
+    const auto points = PointsOf(scene, {.remove_dynamic = true});
     for (const Eigen::Vector3f& point : points) log.Add(point.data(), 3);
   });
 }
@@ -152,7 +152,7 @@ TEST(PointMapTest, NothingGivesNothing) {
   scene.Add({}, RigidTransform::Identity());
   scene.Add({.points = {{kNan, kNan, kNan}}, .gravity = {}}, RigidTransform::Identity());
   EXPECT_TRUE(PointsOf(scene, {}).empty());
-  EXPECT_TRUE(PointsOf(scene, {.remove_seen_through = true}).empty());
+  EXPECT_TRUE(PointsOf(scene, {.remove_dynamic = true}).empty());
 }
 
 TEST(PointMapTest, OptionsAndPosesAreChecked) {

@@ -120,11 +120,11 @@ TEST(LinkCovarianceTest, NeverSmallerThanIsBelieved) {
   const PoseGraphOptions options;
   RegistrationResult result;
   result.covariance = 1e-12 * Matrix6d::Identity();
-  result.T_target_source.translation() = Eigen::Vector3d(5.0, 0.0, 0.0);
+  result.T_target_source = Eigen::Translation3d(5.0, 0.0, 0.0);
   const Matrix6d near = LinkCovariance(result, options);
   EXPECT_NEAR(std::sqrt(near(0, 0)), options.least_sigma_rad, 1e-6);
   EXPECT_NEAR(std::sqrt(near(5, 5)), options.least_sigma_m, 1e-6);
-  result.T_target_source.translation() = Eigen::Vector3d(20.0, 0.0, 0.0);
+  result.T_target_source->translation() = Eigen::Vector3d(20.0, 0.0, 0.0);
   EXPECT_NEAR(std::sqrt(LinkCovariance(result, options)(5, 5)), 2.0 * options.least_sigma_m, 1e-6);
   result.covariance = Matrix6d::Identity();
   EXPECT_NEAR(LinkCovariance(result, options)(0, 0), 1.0, 1e-3);

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "core/mapping/pose_uncertainty.h"
-#include "core/mapping/tracking.h"
+#include "core/mapping/revise_traverse.h"
+#include "core/mapping/traverse_changes.h"
 #include "sim/random.h"
 #include "tests/testing/matchers.h"
 
@@ -46,8 +47,6 @@ class DriveMaker {
     Vector6d variances;
     variances << Eigen::Vector3d::Constant(kLinkRad * kLinkRad), Eigen::Vector3d::Constant(kLinkM * kLinkM);
     link.result.covariance = variances.asDiagonal();
-    link.result.has_covariance = true;
-    link.result.has_pose = true;
     link.result.verdict = {true, {}};
     return link;
   }
@@ -65,7 +64,7 @@ class DriveMaker {
       tracked.pose.segment = target.segment;
       const Matrix6d covariance = LinkCovariance(links[0].result, PoseGraphOptions{});
       const Prior T_segment_scan =
-          Chained({target.T_segment_scan, target.covariance}, {links[0].result.T_target_source, covariance});
+          Chained({target.T_segment_scan, target.covariance}, {*links[0].result.T_target_source, covariance});
       tracked.pose.T_segment_scan = T_segment_scan.T_target_source;
       tracked.pose.covariance = T_segment_scan.covariance;
       tracked.pose.origin = PoseOrigin::kRegistered;
@@ -137,7 +136,7 @@ TEST(ReviseTraverseTest, ALoopClosureTakesTheDriftAway) {
   // A small turn to the side at each step.
   RigidTransform T_drifted = RigidTransform::Identity();
   for (uint64_t i = 1; i < 30; ++i) {
-    RigidTransform& T = traverse.links[i - 1].result.T_target_source;
+    RigidTransform& T = *traverse.links[i - 1].result.T_target_source;
     T.linear() = RotationFromVector({0.0, 0.0, 5e-5}) * T.linear();
     T_drifted = T_drifted * T;
     traverse.poses[i].T_segment_scan = T_drifted;
@@ -180,7 +179,7 @@ void ExpectWrongLinksToMoveNothing(bool also_tracking) {
   ASSERT_GE(num_wrong, 8);
   for (uint64_t i = 1; i < 40; ++i) {
     const TraverseLink& link = traverse.links[i - 1];
-    traverse.poses[i].T_segment_scan = traverse.poses[link.target].T_segment_scan * link.result.T_target_source;
+    traverse.poses[i].T_segment_scan = traverse.poses[link.target].T_segment_scan * *link.result.T_target_source;
   }
   for (Traverse* each : {&clean, &traverse}) {
     const auto revision = ReviseTraverse(*each, {});
@@ -272,11 +271,11 @@ TEST(ReviseTraverseTest, OdometryHoldsWhereTheOnlyLinkIsGivenUp) {
   Traverse traverse = maker.Drive(0);
   traverse.priors[11] = Prior{maker.TrueMotion(10, 11), 1e-4 * Matrix6d::Identity()};
   RegistrationResult& wrong = traverse.links[10].result;
-  wrong.T_target_source.translation().x() += 20.0;
-  wrong.covariance.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity();
+  wrong.T_target_source->translation().x() += 20.0;
+  wrong.covariance->bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity();
   for (size_t i = 11; i < 20; ++i) {
     traverse.poses[i].T_segment_scan =
-        traverse.poses[i - 1].T_segment_scan * traverse.links[i - 1].result.T_target_source;
+        traverse.poses[i - 1].T_segment_scan * *traverse.links[i - 1].result.T_target_source;
   }
   const auto revision = ReviseTraverse(traverse, {});
   ASSERT_THAT(revision, IsOk());

@@ -44,7 +44,7 @@ void Link(Traverse& traverse, uint64_t source, uint64_t target, double error_m =
   link.source = source;
   link.target = target;
   link.result.T_target_source = TrueWorldScan(traverse, target).inverse() * TrueWorldScan(traverse, source);
-  link.result.T_target_source.translation().x() += error_m;
+  link.result.T_target_source->translation().x() += error_m;
   link.result.verdict.accepted = accepted;
   traverse.links.push_back(link);
 }
@@ -91,7 +91,7 @@ TEST(PlaceSegmentsTest, LinksFarFromTheOriginAgreeWhereTheyAre) {
   Link(traverse, 4, 1);
   Link(traverse, 5, 2);
   for (const size_t i : {1, 2}) {
-    RigidTransform& T = traverse.links[i].result.T_target_source;
+    RigidTransform& T = *traverse.links[i].result.T_target_source;
     T.linear() = RotationFromVector({0.0, 0.0, i == 1 ? 0.005 : -0.005}) * T.linear();
   }
   const RigidTransform T_root_segment = PlaceSegments(traverse, {}).at(1).T_root_segment;

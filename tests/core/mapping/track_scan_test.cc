@@ -5,7 +5,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/mapping/tracking.h"
+#include "core/mapping/track_scan.h"
+#include "core/mapping/traverse_changes.h"
 #include "tests/testing/matchers.h"
 #include "tests/testing/traverses.h"
 
@@ -24,12 +25,12 @@ class TrackScanTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     drive_ = std::make_unique<DriveScans>(*sim::Simulation::Create(testing::SmallDrive(4)));
-    stranger_ = testing::StrangerScan();
+    elsewhere_ = testing::ScanElsewhere();
     tracked_ = std::make_unique<Traverse>(testing::TrackDrive(*drive_));
   }
   static void TearDownTestSuite() {
     drive_.reset();
-    stranger_.reset();
+    elsewhere_.reset();
     tracked_.reset();
   }
 
@@ -43,12 +44,12 @@ class TrackScanTest : public ::testing::Test {
   }
 
   static TraverseScan ScanOf(uint64_t number) { return {drive_->Get(number), std::nullopt, std::nullopt}; }
-  static TraverseScan Stranger() { return {stranger_, std::nullopt, std::nullopt}; }
+  static TraverseScan ScanFromElsewhere() { return {elsewhere_, std::nullopt, std::nullopt}; }
 
-  // The drive's scans with the stranger as scan `number`.
-  static TraverseScanLoader LoaderWithStranger(uint64_t number) {
+  // The drive's scans with a scan from elsewhere as scan `number`.
+  static TraverseScanLoader LoaderWithScanElsewhere(uint64_t number) {
     return [number](uint64_t wanted, const Stop&) -> absl::StatusOr<std::shared_ptr<const PreparedScan>> {
-      if (wanted == number) return stranger_;
+      if (wanted == number) return elsewhere_;
       return drive_->Get(wanted);
     };
   }
@@ -56,7 +57,7 @@ class TrackScanTest : public ::testing::Test {
   static RigidTransform TruePose(uint64_t number) { return drive_->TrueMotion(0, number); }
 
   static inline std::unique_ptr<DriveScans> drive_;
-  static inline std::shared_ptr<const PreparedScan> stranger_;
+  static inline std::shared_ptr<const PreparedScan> elsewhere_;
   static inline std::unique_ptr<Traverse> tracked_;
 };
 
@@ -99,7 +100,7 @@ TEST_F(TrackScanTest, OneRegistrationPerScan) {
 TEST_F(TrackScanTest, WithoutOdometryARejectedScanBeginsASegment) {
   Traverse traverse = Beginning(3);
   traverse.num_segments = 5;  // others have begun and ended
-  const auto tracked = TrackScan(traverse, Stranger(), drive_->Loader(), {});
+  const auto tracked = TrackScan(traverse, ScanFromElsewhere(), drive_->Loader(), {});
   ASSERT_THAT(tracked, IsOk());
   EXPECT_EQ(tracked->pose.origin, PoseOrigin::kSegmentStart);
   EXPECT_EQ(tracked->pose.segment, 5);
@@ -111,7 +112,7 @@ TEST_F(TrackScanTest, WithoutOdometryARejectedScanBeginsASegment) {
 
 TEST_F(TrackScanTest, WithOdometryARejectedScanIsCarried) {
   const Traverse traverse = Beginning(3);
-  TraverseScan scan = Stranger();
+  TraverseScan scan = ScanFromElsewhere();
   scan.prior = drive_->Odometry(3, 0.05);
   const auto tracked = TrackScan(traverse, scan, drive_->Loader(), {});
   ASSERT_THAT(tracked, IsOk());
@@ -125,7 +126,7 @@ TEST_F(TrackScanTest, WithOdometryARejectedScanIsCarried) {
 }
 
 TEST_F(TrackScanTest, AGuessOfUnknownErrorCarriesNothing) {
-  TraverseScan scan = Stranger();
+  TraverseScan scan = ScanFromElsewhere();
   scan.prior = Prior{drive_->TrueMotion(2, 3), std::nullopt};
   const auto tracked = TrackScan(Beginning(3), scan, drive_->Loader(), {});
   ASSERT_THAT(tracked, IsOk());
@@ -134,11 +135,11 @@ TEST_F(TrackScanTest, AGuessOfUnknownErrorCarriesNothing) {
 
 TEST_F(TrackScanTest, OneUnusableScanDoesNotCutTheTraverse) {
   Traverse traverse = Beginning(2);
-  const auto stranger = TrackScan(traverse, Stranger(), drive_->Loader(), {});
-  ASSERT_THAT(stranger, IsOk());
-  AppendScan(traverse, *stranger, std::nullopt);
+  const auto elsewhere = TrackScan(traverse, ScanFromElsewhere(), drive_->Loader(), {});
+  ASSERT_THAT(elsewhere, IsOk());
+  AppendScan(traverse, *elsewhere, std::nullopt);
   EXPECT_EQ(traverse.num_segments, 2);
-  const auto tracked = TrackScan(traverse, ScanOf(2), LoaderWithStranger(2), {});
+  const auto tracked = TrackScan(traverse, ScanOf(2), LoaderWithScanElsewhere(2), {});
   ASSERT_THAT(tracked, IsOk());
   EXPECT_EQ(tracked->pose.origin, PoseOrigin::kRegistered);
   EXPECT_EQ(tracked->pose.segment, 0);

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/mapping/tracking.h"
+#include "core/mapping/traverse_changes.h"
 
 namespace curvereg {
 namespace {

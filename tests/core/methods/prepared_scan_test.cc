@@ -45,13 +45,13 @@ TEST(PreparedScanTest, HoldsWhatTheStagesComputeOneByOne) {
   EXPECT_EQ((*view)->features.descriptors, expected->features.descriptors);
 }
 
-TEST(PreparedScanTest, RepresentativesAreMeasuredPointsOnePerFinestCell) {
+TEST(PreparedScanTest, DownsampledPointsAreMeasuredOnesOnePerFinestCell) {
   const auto scan = GroundScan();
   const auto prepared = Prepared(scan);
   const VoxelMap& finest = prepared->voxel_maps().front();
-  ASSERT_EQ(prepared->representatives().size(), finest.surfels().size());
+  ASSERT_EQ(prepared->downsampled_points().size(), finest.surfels().size());
   std::vector<bool> seen(finest.surfels().size(), false);
-  for (const Eigen::Vector3f& point : prepared->representatives()) {
+  for (const Eigen::Vector3f& point : prepared->downsampled_points()) {
     EXPECT_NE(std::find(scan->points.begin(), scan->points.end(), point), scan->points.end());
     const int cell = finest.Find(point);
     ASSERT_GE(cell, 0);
@@ -109,7 +109,7 @@ TEST(PreparedScanTest, BadViewOptionsAreAnErrorOfTheView) {
   EXPECT_THAT(prepared->View(BirdsEyeView::kOccupancy, 0), IsOk());
 }
 
-TEST(PreparedScanTest, CleanedLacksIsolatedReturns) {
+TEST(PreparedScanTest, WithoutOutliersLacksFalseReturns) {
   Scan scan = *GroundScan();
   const size_t num_ground = scan.points.size();
   for (int i = 0; i < 50; ++i) {  // scattered above the ground
@@ -117,12 +117,12 @@ TEST(PreparedScanTest, CleanedLacksIsolatedReturns) {
     scan.points.emplace_back(3.0F * std::cos(angle), 3.0F * std::sin(angle), -0.4F);
   }
   const auto prepared = Prepared(std::make_shared<Scan>(scan));
-  const auto cleaned = prepared->Cleaned();
-  ASSERT_THAT(cleaned, IsOk());
-  EXPECT_LT((*cleaned)->scan().points.size(), num_ground);
-  EXPECT_GT((*cleaned)->scan().points.size(), num_ground * 8 / 10);
-  EXPECT_THAT((*cleaned)->View(BirdsEyeView::kElevation, 0), IsOk());
-  EXPECT_EQ(*prepared->Cleaned(), *cleaned);  // computed once
+  const auto filtered = prepared->WithoutOutliers();
+  ASSERT_THAT(filtered, IsOk());
+  EXPECT_LT((*filtered)->scan().points.size(), num_ground);
+  EXPECT_GT((*filtered)->scan().points.size(), num_ground * 8 / 10);
+  EXPECT_THAT((*filtered)->View(BirdsEyeView::kElevation, 0), IsOk());
+  EXPECT_EQ(*prepared->WithoutOutliers(), *filtered);  // computed once
 }
 
 TEST(PreparedScanTest, MemoryGrowsWithWhatIsComputed) {
@@ -144,18 +144,18 @@ TEST(PreparedScanTest, MemoryGrowsWithWhatIsComputed) {
   ASSERT_THAT(prepared->View(BirdsEyeView::kElevation, 0), IsOk());
   EXPECT_EQ(prepared->MemoryBytes(), with_view);  // computed once
 
-  const auto cleaned = prepared->Cleaned();
-  ASSERT_THAT(cleaned, IsOk());
-  EXPECT_EQ(prepared->MemoryBytes(), with_view + (*cleaned)->MemoryBytes());
-  ASSERT_THAT((*cleaned)->View(BirdsEyeView::kOccupancy, 0), IsOk());
-  EXPECT_EQ(prepared->MemoryBytes(), with_view + (*cleaned)->MemoryBytes());
+  const auto filtered = prepared->WithoutOutliers();
+  ASSERT_THAT(filtered, IsOk());
+  EXPECT_EQ(prepared->MemoryBytes(), with_view + (*filtered)->MemoryBytes());
+  ASSERT_THAT((*filtered)->View(BirdsEyeView::kOccupancy, 0), IsOk());
+  EXPECT_EQ(prepared->MemoryBytes(), with_view + (*filtered)->MemoryBytes());
 }
 
 TEST(PreparedScanTest, MemoryMayBeAskedForWhileOthersCompute) {
   const auto prepared = Prepared(GroundScan());
   std::vector<std::thread> threads;
   threads.emplace_back([&] { EXPECT_THAT(prepared->View(BirdsEyeView::kOccupancy, 0), IsOk()); });
-  threads.emplace_back([&] { EXPECT_THAT(prepared->Cleaned(), IsOk()); });
+  threads.emplace_back([&] { EXPECT_THAT(prepared->WithoutOutliers(), IsOk()); });
   size_t last = 0;
   for (int i = 0; i < 1000; ++i) {
     const size_t bytes = prepared->MemoryBytes();
@@ -181,8 +181,8 @@ TEST(PreparedScanTest, StopsWhenAsked) {
   ASSERT_THAT(prepared, IsOk());
   source.request_stop();
   EXPECT_THAT(PreparedScan::Create(GroundScan(), {}, stop), testing::HasCode(absl::StatusCode::kCancelled));
-  EXPECT_THAT((*prepared)->Cleaned(stop), testing::HasCode(absl::StatusCode::kCancelled));
-  EXPECT_THAT((*prepared)->Cleaned(), IsOk());  // what was stopped is not kept
+  EXPECT_THAT((*prepared)->WithoutOutliers(stop), testing::HasCode(absl::StatusCode::kCancelled));
+  EXPECT_THAT((*prepared)->WithoutOutliers(), IsOk());  // what was stopped is not kept
   Stop late;
   late.deadline = std::chrono::steady_clock::now();
   EXPECT_THAT(PreparedScan::Create(GroundScan(), {}, late), testing::HasCode(absl::StatusCode::kDeadlineExceeded));
@@ -192,7 +192,7 @@ TEST(PreparedScanTest, SameBytesAtAnyThreadCount) {
   const auto scan = GroundScan();
   testing::ExpectSameBytesAtAnyThreadCount([&](testing::ByteLog& log) {
     const auto prepared = Prepared(scan);
-    for (const Eigen::Vector3f& point : prepared->representatives()) log.Add(point.data(), 3);
+    for (const Eigen::Vector3f& point : prepared->downsampled_points()) log.Add(point.data(), 3);
     for (const LevelingCandidate& candidate : prepared->verticals()) log.Add(candidate.R_level_sensor.data(), 9);
     log.Add((*prepared->View(BirdsEyeView::kElevation, 0))->features.descriptors);
   });

@@ -20,7 +20,10 @@ using testing::SmallMotion;
 using testing::TwoScans;
 
 bool SameBytes(const RegistrationResult& a, const RegistrationResult& b) {
-  return std::memcmp(a.T_target_source.data(), b.T_target_source.data(), sizeof(double) * 16) == 0 &&
+  const RigidTransform T_a = a.T_target_source.value_or(RigidTransform::Identity());
+  const RigidTransform T_b = b.T_target_source.value_or(RigidTransform::Identity());
+  return std::memcmp(T_a.data(), T_b.data(), sizeof(double) * 16) == 0 &&
+         a.T_target_source.has_value() == b.T_target_source.has_value() &&
          a.evidence.num_matches == b.evidence.num_matches && a.evidence.num_inliers == b.evidence.num_inliers &&
          a.evidence.num_source_keypoints == b.evidence.num_source_keypoints;
 }
@@ -29,13 +32,13 @@ TEST(RegisterPaperTest, RecoversASmallMotion) {
   const TwoScans& scans = SmallMotion();
   const auto result = RegisterPaper(scans.source, scans.target, RegistrationOptions{}, Stop{});
   ASSERT_TRUE(result.ok()) << result.status();
-  ASSERT_TRUE(result->has_pose);
+  ASSERT_TRUE(result->T_target_source.has_value());
   EXPECT_TRUE(result->verdict.accepted);
   EXPECT_TRUE(result->verdict.reasons.empty());
-  const TransformDifference error = Difference(result->T_target_source, scans.T_target_source);
+  const TransformDifference error = Difference(*result->T_target_source, scans.T_target_source);
   EXPECT_LT(error.translation_m, 0.15);
   EXPECT_LT(error.rotation_rad, 0.02);
-  EXPECT_TRUE(IsRigid(result->T_target_source, 1e-12));
+  EXPECT_TRUE(IsRigid(*result->T_target_source, 1e-12));
   EXPECT_GT(result->evidence.num_source_points, 20000);
   EXPECT_GT(result->evidence.num_source_keypoints, 50);
   EXPECT_GT(result->evidence.num_target_keypoints, 50);
@@ -50,7 +53,7 @@ TEST(RegisterPaperTest, AScanLiesOnItself) {
   const auto result = RegisterPaper(scan, scan, RegistrationOptions{}, Stop{});
   ASSERT_TRUE(result.ok());
   EXPECT_TRUE(result->verdict.accepted);
-  EXPECT_LT(Difference(result->T_target_source, RigidTransform::Identity()).translation_m, 1e-6);
+  EXPECT_LT(Difference(*result->T_target_source, RigidTransform::Identity()).translation_m, 1e-6);
   EXPECT_EQ(result->evidence.num_inliers, result->evidence.num_matches);
   EXPECT_EQ(result->evidence.num_matches, result->evidence.num_source_keypoints);
 }
@@ -69,7 +72,7 @@ TEST(RegisterPaperTest, ScansWithoutFeaturesAreRejected) {
   }
   const auto result = RegisterPaper(Scan{}, good, RegistrationOptions{}, Stop{});
   EXPECT_EQ(result->verdict.reasons[0], Reason::kTooFewFeatures);
-  EXPECT_FALSE(result->has_pose);
+  EXPECT_FALSE(result->T_target_source.has_value());
 }
 
 TEST(RegisterPaperTest, AnotherPlaceHasNoConsensus) {

@@ -7,8 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/methods/registration_options.h"
-#include "core/methods/registration_result.h"
+#include "core/methods/registration_names.h"
 
 namespace curvereg {
 namespace {

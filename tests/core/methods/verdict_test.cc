@@ -192,12 +192,12 @@ TEST(FillResultTest, WritesPoseVerdictAndMeasures) {
   evidence.fit = FitOf(pair.source, pair.target, pair.T_target_source);
   RegistrationResult result;
   FillResult(pair.T_target_source, evidence, result);
-  EXPECT_TRUE(result.has_pose);
-  EXPECT_EQ(result.T_target_source.matrix(), pair.T_target_source.matrix());
+  EXPECT_TRUE(result.T_target_source.has_value());
+  EXPECT_EQ(result.T_target_source->matrix(), pair.T_target_source.matrix());
   EXPECT_TRUE(result.verdict.accepted);
   EXPECT_THAT(result.verdict.reasons, IsEmpty());
   EXPECT_THAT(result.degenerate_directions, IsEmpty());
-  EXPECT_TRUE(result.has_covariance);
+  EXPECT_TRUE(result.covariance.has_value());
   EXPECT_EQ(result.covariance, PoseCovariance(evidence.fit));
   EXPECT_EQ(result.evidence.num_inliers, 60);
   EXPECT_EQ(result.evidence.overlap_source, 0.7);

@@ -44,9 +44,9 @@ TEST(RansacTest, FindsOneRightPairInTen) {
   const std::vector<PointPair> pairs = Pairs(300, 10);
   const auto result = FindRigidConsensus(pairs, {}, Stop{});
   ASSERT_TRUE(result.ok()) << result.status();
-  ASSERT_TRUE(result->has_pose);
+  ASSERT_TRUE(result->T_target_source.has_value());
   EXPECT_TRUE(result->is_complete);
-  const TransformDifference error = Difference(result->T_target_source, Truth());
+  const TransformDifference error = Difference(*result->T_target_source, Truth());
   EXPECT_LT(error.translation_m, 0.5);
   EXPECT_LT(error.rotation_rad, 0.05);
   int num_right = 0;
@@ -61,7 +61,7 @@ TEST(RansacTest, InliersAreExactlyThePairsWithinTheThreshold) {
   const RansacResult result = *FindRigidConsensus(pairs, options, Stop{});
   std::vector<int> expected;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    const double distance = (result.T_target_source * pairs[i].source - pairs[i].target).norm();
+    const double distance = (*result.T_target_source * pairs[i].source - pairs[i].target).norm();
     if (distance <= options.inlier_threshold_m) expected.push_back(static_cast<int>(i));
   }
   EXPECT_EQ(result.inliers, expected);
@@ -88,24 +88,24 @@ TEST(RansacTest, SameSeedSameAnswerOtherSeedOtherSamples) {
   const std::vector<PointPair> pairs = Pairs(300, 10);
   const RansacResult first = *FindRigidConsensus(pairs, {.seed = 5}, Stop{});
   const RansacResult again = *FindRigidConsensus(pairs, {.seed = 5}, Stop{});
-  EXPECT_EQ(first.T_target_source.matrix(), again.T_target_source.matrix());
+  EXPECT_EQ(first.T_target_source->matrix(), again.T_target_source->matrix());
   EXPECT_EQ(first.inliers, again.inliers);
   EXPECT_EQ(first.num_iterations, again.num_iterations);
   const RansacResult other = *FindRigidConsensus(pairs, {.seed = 6}, Stop{});
-  EXPECT_NE(first.T_target_source.matrix(), other.T_target_source.matrix());
+  EXPECT_NE(first.T_target_source->matrix(), other.T_target_source->matrix());
 }
 
 TEST(RansacTest, DegeneratePairsGiveNoPose) {
-  EXPECT_FALSE(FindRigidConsensus({}, {}, Stop{})->has_pose);
-  EXPECT_FALSE(FindRigidConsensus(Pairs(2, 1), {}, Stop{})->has_pose);
+  EXPECT_FALSE(FindRigidConsensus({}, {}, Stop{})->T_target_source.has_value());
+  EXPECT_FALSE(FindRigidConsensus(Pairs(2, 1), {}, Stop{})->T_target_source.has_value());
   std::vector<PointPair> line;
   for (int i = 0; i < 20; ++i) line.push_back({{1.0 * i, 0.0, 0.0}, {0.0, 1.0 * i, 0.0}});
   const RansacResult on_line = *FindRigidConsensus(line, {.max_iterations = 500}, Stop{});
-  EXPECT_FALSE(on_line.has_pose);
+  EXPECT_FALSE(on_line.T_target_source.has_value());
   EXPECT_TRUE(on_line.inliers.empty());
   const std::vector<PointPair> equal(20, PointPair{{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}});
-  EXPECT_FALSE(FindRigidConsensus(equal, {.max_iterations = 500}, Stop{})->has_pose);
-  EXPECT_TRUE(FindRigidConsensus(Pairs(3, 1), {}, Stop{})->has_pose);
+  EXPECT_FALSE(FindRigidConsensus(equal, {.max_iterations = 500}, Stop{})->T_target_source.has_value());
+  EXPECT_TRUE(FindRigidConsensus(Pairs(3, 1), {}, Stop{})->T_target_source.has_value());
 }
 
 TEST(RansacTest, RefusesBadOptionsAndPoints) {

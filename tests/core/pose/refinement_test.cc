@@ -62,7 +62,7 @@ TEST(RefineOnLevelsTest, FindsTheMotionOnUnevenGround) {
   const SurfaceFit fit = Refine(pair, Disturbed(pair.T_target_source, 1.0));
   EXPECT_THAT(fit.T_target_source, IsNear(pair.T_target_source, 0.03, 0.003));
   EXPECT_GT(fit.num_pairs, 500);
-  EXPECT_GE(fit.num_elements, fit.num_pairs);
+  EXPECT_GE(fit.num_surfels, fit.num_pairs);
   EXPECT_GT(fit.inlier_fraction, 0.8);
   EXPECT_LE(fit.inlier_fraction, 1.0);
   EXPECT_GT(fit.residual_rms_m, 0.0);
@@ -118,7 +118,7 @@ TEST(RefineOnLevelsTest, WithoutPairsThePoseStays) {
   const auto nothing = BuildVoxelMaps({});
   const SurfaceFit empty = RefineOnLevels(nothing, nothing, kAllLevels, T_far, {}, {});
   EXPECT_EQ(empty.num_pairs, 0);
-  EXPECT_EQ(empty.num_elements, 0);
+  EXPECT_EQ(empty.num_surfels, 0);
   EXPECT_EQ(empty.T_target_source.matrix(), T_far.matrix());
 }
 

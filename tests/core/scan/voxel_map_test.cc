@@ -53,7 +53,7 @@ TEST(VoxelMapTest, NormalsPointToTheSensorsSide) {
 
 // Mean and covariance of the points in the cell of `map` that holds `surfel`.
 void ExpectMomentsOfItsPoints(const VoxelMap& map, const Surfel& surfel, const std::vector<Eigen::Vector3f>& points) {
-  const int own = map.Find(surfel.representative);
+  const int own = map.Find(surfel.first_point);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   int count = 0;
@@ -173,7 +173,7 @@ TEST(VoxelMapTest, SameBytesAtAnyThreadCount) {
         log.Add(surfel.mean.data(), 3);
         log.Add(surfel.normal.data(), 3);
         log.Add(surfel.covariance.data(), 9);
-        log.Add(surfel.representative.data(), 3);
+        log.Add(surfel.first_point.data(), 3);
         log.Add(surfel.normal_variance);
         log.Add(surfel.count);
       }

@@ -156,21 +156,21 @@ TEST(GaussianBlur3x3Test, WithoutSigmaNothingChanges) {
   EXPECT_NEAR(single(0, 0), 2.0, 1e-6);
 }
 
-TEST(RemovePlaneTest, SubtractsThePlaneOfTheValidPixels) {
+TEST(DetrendTest, SubtractsThePlaneOfTheValidPixels) {
   const Image<uint8_t> valid = RandomMask(50, 70, 0.3, 5);
   Image<float> image = Plane(50, 70, -1.5, 0.03, -0.02);
   for (size_t i = 0; i < image.size(); ++i) {
     if (valid.pixels[i] == 0) image.pixels[i] += 1.0F;  // must not pull the plane
   }
-  RemovePlane(valid, image);
+  Detrend(valid, image);
   for (size_t i = 0; i < image.size(); ++i) EXPECT_NEAR(image.pixels[i], valid.pixels[i] != 0 ? 0.0 : 1.0, 1e-4);
 }
 
-TEST(RemovePlaneTest, LeavesNoPlaneBehind) {
+TEST(DetrendTest, LeavesNoPlaneBehind) {
   testing::Random random(6);
   Image<float> image = Plane(40, 30, 2.0, 0.1, 0.2);
   for (float& pixel : image.pixels) pixel += static_cast<float>(random.Gaussian());
-  RemovePlane(Image<uint8_t>(40, 30, 1), image);
+  Detrend(Image<uint8_t>(40, 30, 1), image);
   double sum = 0.0, along_rows = 0.0, along_cols = 0.0;
   for (int row = 0; row < 40; ++row) {
     for (int col = 0; col < 30; ++col) {
@@ -184,24 +184,24 @@ TEST(RemovePlaneTest, LeavesNoPlaneBehind) {
   EXPECT_NEAR(along_cols / 1200, 0.0, 1e-4);
 }
 
-TEST(RemovePlaneTest, DegenerateMasksGiveFiniteImages) {
+TEST(DetrendTest, DegenerateMasksGiveFiniteImages) {
   Image<uint8_t> line(20, 20);
   for (int col = 0; col < 20; ++col) line(7, col) = 1;
   Image<uint8_t> point(20, 20);
   point(3, 3) = 1;
   for (const Image<uint8_t>& valid : {Image<uint8_t>(20, 20), point, line}) {
     Image<float> image = Plane(20, 20, 1.0, 0.1, 0.2);
-    RemovePlane(valid, image);
+    Detrend(valid, image);
     for (const float pixel : image.pixels) EXPECT_LT(std::abs(pixel), 100.0F);
   }
   Image<float> image = Plane(20, 20, 1.0, 0.0, 0.2);
-  RemovePlane(line, image);
+  Detrend(line, image);
   for (int col = 0; col < 20; ++col) EXPECT_NEAR(image(7, col), 0.0, 1e-4);
 }
 
-TEST(TaperBorderTest, RaisedCosineFromZeroAtTheBorderToOne) {
+TEST(ApodizeTest, RaisedCosineFromZeroAtTheBorderToOne) {
   Image<float> image(20, 30, 1.0F);
-  TaperBorder(4, image);
+  Apodize(4, image);
   for (int col = 0; col < 30; ++col) {
     EXPECT_EQ(image(0, col), 0.0F);
     EXPECT_EQ(image(19, col), 0.0F);
@@ -215,15 +215,15 @@ TEST(TaperBorderTest, RaisedCosineFromZeroAtTheBorderToOne) {
   }
 }
 
-TEST(TaperBorderTest, WithoutWidthNothingChanges) {
+TEST(ApodizeTest, WithoutWidthNothingChanges) {
   Image<float> image(5, 6, 1.0F);
-  TaperBorder(0, image);
+  Apodize(0, image);
   EXPECT_EQ(image.pixels, std::vector<float>(30, 1.0F));
 }
 
-TEST(ValidShareTest, CountsTheWindowInsideTheImage) {
+TEST(ValidFractionTest, CountsTheWindowInsideTheImage) {
   const Image<uint8_t> valid = RandomMask(13, 17, 0.6, 2);
-  const Image<float> share = ValidShare(valid, 2);
+  const Image<float> share = ValidFraction(valid, 2);
   for (int row = 0; row < 13; ++row) {
     for (int col = 0; col < 17; ++col) {
       int num_pixels = 0, num_valid = 0;
@@ -239,11 +239,11 @@ TEST(ValidShareTest, CountsTheWindowInsideTheImage) {
   }
 }
 
-TEST(ValidShareTest, WindowLargerThanTheImage) {
+TEST(ValidFractionTest, WindowLargerThanTheImage) {
   Image<uint8_t> valid(2, 3, 1);
   valid(0, 0) = 0;
-  for (const float share : ValidShare(valid, 100).pixels) EXPECT_NEAR(share, 5.0 / 6.0, 1e-6);
-  EXPECT_TRUE(ValidShare(Image<uint8_t>(), 4).empty());
+  for (const float share : ValidFraction(valid, 100).pixels) EXPECT_NEAR(share, 5.0 / 6.0, 1e-6);
+  EXPECT_TRUE(ValidFraction(Image<uint8_t>(), 4).empty());
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ inline const Scan& TargetScan() {
   return scan;
 }
 inline RigidTransform TrueTransform() { return RoverPose(0.0, 0.0, 0.0).inverse() * RoverPose(3.0, 1.0, 0.4); }
-// Of another world than the target: nothing fits, so that the whole ladder is climbed.
+// Of another world than the target: nothing fits, so that every escalation step runs.
 inline const Scan& StrangeScan() {
   static const Scan scan = GroundScan(1.0, 2.0, 0.5, 1, 2);
   return scan;

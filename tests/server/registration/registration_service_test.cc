@@ -11,7 +11,9 @@
 #include "core/base/parallel.h"
 #include "tests/server/registration/registration_server.h"
 #include "tests/testing/matchers.h"
-#include "wire/conversion.h"
+#include "wire/geometry_conversion.h"
+#include "wire/options_conversion.h"
+#include "wire/result_conversion.h"
 
 namespace curvereg::server {
 namespace {
@@ -78,7 +80,7 @@ TEST(RegisterScansCallTest, StoredScansGiveTheSameAndArePreparedOnce) {
   const RegistrationResult sent = ResultOf(server.Register(InlineRequest(SourceScan(), TargetScan())));
   for (int i = 0; i < 2; ++i) {
     const RegistrationResult stored = ResultOf(server.Register(StoredRequest(source, target)));
-    EXPECT_EQ(stored.T_target_source.matrix(), sent.T_target_source.matrix());
+    EXPECT_EQ(stored.T_target_source->matrix(), sent.T_target_source->matrix());
     EXPECT_EQ(stored.options_digest, sent.options_digest);
     EXPECT_EQ(stored.source_digest, sent.source_digest);
     EXPECT_EQ(stored.stage_times.front().stage, "preparation");
@@ -87,7 +89,7 @@ TEST(RegisterScansCallTest, StoredScansGiveTheSameAndArePreparedOnce) {
   EXPECT_EQ(server.cache.GetStatistics().num_entries, 2U);
   v1::RegisterScansRequest mixed = StoredRequest("", target);
   *mixed.mutable_source()->mutable_inline_scan() = CloudOf(SourceScan());
-  EXPECT_EQ(ResultOf(server.Register(mixed)).T_target_source.matrix(), sent.T_target_source.matrix());
+  EXPECT_EQ(ResultOf(server.Register(mixed)).T_target_source->matrix(), sent.T_target_source->matrix());
   EXPECT_EQ(server.cache.GetStatistics().num_misses, 2U);
   const RegistrationResult itself = ResultOf(server.Register(StoredRequest(source, source)));
   EXPECT_TRUE(itself.verdict.accepted);
@@ -101,7 +103,7 @@ TEST(RegisterScansCallTest, TheNumberOfThreadsChangesNothing) {
   const RegistrationResult serial = ResultOf(server.Register(request));
   request.mutable_options()->set_max_threads(1000);  // cut to the limit
   const RegistrationResult parallel = ResultOf(server.Register(request));
-  EXPECT_EQ(serial.T_target_source.matrix(), parallel.T_target_source.matrix());
+  EXPECT_EQ(serial.T_target_source->matrix(), parallel.T_target_source->matrix());
   EXPECT_EQ(serial.covariance, parallel.covariance);
 }
 

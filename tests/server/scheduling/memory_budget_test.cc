@@ -173,7 +173,7 @@ TEST_P(ReservedMemoryTest, IsEnoughForRegistrations) {
       RegistrationOptions options;
       options.method = method;
       options.num_threads = 2;
-      options.time_budget_s = 4.0;  // the rivals take minutes, and in the end up to 360 bytes a point
+      options.time_budget_s = 4.0;  // the baselines take minutes, and in the end up to 360 bytes a point
       const double peak = PeakOf([&] { return RegisterScans(scans.source, scans.target, options).ok(); });
       ExpectEnough(scans.name + ", " + std::string(MethodName(method)), peak, reserved);
     }

@@ -16,7 +16,7 @@
 #include "tests/server/traverses/stream_server.h"
 #include "tests/server/traverses/traverse_world.h"
 #include "tests/testing/matchers.h"
-#include "wire/conversion.h"
+#include "wire/geometry_conversion.h"
 #include "wire/status_mapping.h"
 
 namespace curvereg::testing {

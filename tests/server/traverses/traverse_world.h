@@ -19,7 +19,6 @@
 #include "tests/server/store/store_testing.h"
 #include "tests/testing/scenes.h"
 #include "tests/testing/test_data.h"
-#include "wire/conversion.h"
 #include "wire/point_codec.h"
 
 namespace curvereg::server {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scan/scan_filter.h"
+#include "core/scan/outlier_removal.h"
 
 #include <gtest/gtest.h>
 
@@ -33,11 +33,11 @@ Points FalseReturns(int count) {
   return points;
 }
 
-TEST(RemoveIsolatedReturnsTest, KeepsTheGroundAndDropsFalseReturns) {
+TEST(RemoveOutliersTest, KeepsTheGroundAndDropsFalseReturns) {
   const Points false_returns = FalseReturns(300);
   Points points = Ground();
   points.insert(points.begin() + 1000, false_returns.begin(), false_returns.end());
-  const Points kept = RemoveIsolatedReturns(points, kUp);
+  const Points kept = RemoveOutliers(points, kUp);
   int num_false = 0;
   for (const Eigen::Vector3f& point : false_returns) {
     num_false += static_cast<int>(std::find(kept.begin(), kept.end(), point) != kept.end());
@@ -46,8 +46,8 @@ TEST(RemoveIsolatedReturnsTest, KeepsTheGroundAndDropsFalseReturns) {
   EXPECT_GT(static_cast<double>(kept.size()), 0.9 * static_cast<double>(Ground().size()));
 }
 
-TEST(RemoveIsolatedReturnsTest, KeepsTheOrderAndChangesNoPoint) {
-  const Points kept = RemoveIsolatedReturns(Ground(), kUp);
+TEST(RemoveOutliersTest, KeepsTheOrderAndChangesNoPoint) {
+  const Points kept = RemoveOutliers(Ground(), kUp);
   auto at = Ground().begin();
   for (const Eigen::Vector3f& point : kept) {
     at = std::find(at, Ground().end(), point);
@@ -56,40 +56,40 @@ TEST(RemoveIsolatedReturnsTest, KeepsTheOrderAndChangesNoPoint) {
   }
 }
 
-TEST(RemoveIsolatedReturnsTest, AReturnNeedsTwoThatAgree) {
+TEST(RemoveOutliersTest, AReturnNeedsTwoThatAgree) {
   const Points pair = {{10.0F, 0.1F, 0.0F}, {10.1F, 0.1F, 0.0F}};
-  EXPECT_TRUE(RemoveIsolatedReturns(pair, kUp).empty());
+  EXPECT_TRUE(RemoveOutliers(pair, kUp).empty());
   Points three = pair;
   three.push_back({10.2F, 0.1F, 0.0F});
-  EXPECT_EQ(RemoveIsolatedReturns(three, kUp).size(), 3U);
-  EXPECT_EQ(RemoveIsolatedReturns(pair, kUp, {.min_agreeing = 1}).size(), 2U);
+  EXPECT_EQ(RemoveOutliers(three, kUp).size(), 3U);
+  EXPECT_EQ(RemoveOutliers(pair, kUp, {.min_agreeing = 1}).size(), 2U);
   three.back() = {20.0F, 0.2F, 0.0F};  // the same direction, but another range
-  EXPECT_TRUE(RemoveIsolatedReturns(three, kUp).empty());
+  EXPECT_TRUE(RemoveOutliers(three, kUp).empty());
 }
 
-TEST(RemoveIsolatedReturnsTest, HeightIsAlongTheVerticalGiven) {
+TEST(RemoveOutliersTest, HeightIsAlongTheVerticalGiven) {
   // Three returns of one direction and range but heights along y that differ by half a metre.
   const Points points = {{10.0F, 0.0F, 0.0F}, {10.0F, 0.5F, 0.0F}, {10.0F, -0.5F, 0.0F}};
-  const IsolationOptions coarse{.bins_per_side = 5};
-  EXPECT_EQ(RemoveIsolatedReturns(points, kUp, coarse).size(), 3U);
-  EXPECT_TRUE(RemoveIsolatedReturns(points, Eigen::Vector3d::UnitY(), coarse).empty());
+  const OutlierRemovalOptions coarse{.bins_per_side = 5};
+  EXPECT_EQ(RemoveOutliers(points, kUp, coarse).size(), 3U);
+  EXPECT_TRUE(RemoveOutliers(points, Eigen::Vector3d::UnitY(), coarse).empty());
 }
 
-TEST(RemoveIsolatedReturnsTest, DropsWhatIsNotFinite) {
+TEST(RemoveOutliersTest, DropsWhatIsNotFinite) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Points points(10, {10.0F, 0.1F, 0.0F});
   points[3] = {kNan, 0.0F, 1.0F};
   points[7] = {0.0F, -kInfinity, 1.0F};
-  EXPECT_EQ(RemoveIsolatedReturns(points, kUp).size(), 8U);
-  EXPECT_TRUE(RemoveIsolatedReturns(Points(5, {kNan, kNan, kNan}), kUp).empty());
-  EXPECT_TRUE(RemoveIsolatedReturns({}, kUp).empty());
-  EXPECT_TRUE(RemoveIsolatedReturns({{1.0F, 2.0F, 3.0F}}, kUp).empty());
+  EXPECT_EQ(RemoveOutliers(points, kUp).size(), 8U);
+  EXPECT_TRUE(RemoveOutliers(Points(5, {kNan, kNan, kNan}), kUp).empty());
+  EXPECT_TRUE(RemoveOutliers({}, kUp).empty());
+  EXPECT_TRUE(RemoveOutliers({{1.0F, 2.0F, 3.0F}}, kUp).empty());
 }
 
-TEST(RemoveIsolatedReturnsTest, SameBytesAtAnyThreadCount) {
+TEST(RemoveOutliersTest, SameBytesAtAnyThreadCount) {
   testing::ExpectSameBytesAtAnyThreadCount([&](testing::ByteLog& log) {
-    for (const Eigen::Vector3f& point : RemoveIsolatedReturns(Ground(), kUp)) log.Add(point.data(), 3);
+    for (const Eigen::Vector3f& point : RemoveOutliers(Ground(), kUp)) log.Add(point.data(), 3);
   });
 }
 

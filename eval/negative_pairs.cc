@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "eval/strangers.h"
+#include "eval/negative_pairs.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,15 +10,33 @@
 #include "absl/strings/str_split.h"
 
 namespace curvereg {
+namespace {
 
-absl::StatusOr<std::vector<StrangerPair>> LoadStrangers(const Dataset& dataset) {
-  const std::string path = dataset.folder + "/strangers.txt";
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return std::vector<StrangerPair>{};
+namespace fs = std::filesystem;
+
+constexpr char kFile[] = "negatives.txt";
+constexpr char kOldFile[] = "strangers.txt";
+
+}  // namespace
+
+std::string NegativePairsFile(const std::string& folder) {
+  for (const char* name : {kFile, kOldFile}) {
+    const fs::path path = fs::path(folder) / name;
+    std::error_code error;
+    if (fs::exists(path, error)) return path.string();
+  }
+  return "";
+}
+
+bool IsOldNegativePairsFile(const std::string& path) { return fs::path(path).filename() == kOldFile; }
+
+absl::StatusOr<std::vector<NegativePair>> LoadNegativePairs(const Dataset& dataset) {
+  const std::string path = NegativePairsFile(dataset.folder);
+  if (path.empty()) return std::vector<NegativePair>{};
   std::ifstream file(path);
   if (!file) return absl::PermissionDeniedError(absl::StrCat(path, ": cannot be opened for reading"));
 
-  std::vector<StrangerPair> pairs;
+  std::vector<NegativePair> pairs;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     const std::string content = line.substr(0, line.find('#'));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "core/mapping/seen_through.h"
+#include "core/mapping/dynamic_removal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ void CountUp(uint16_t& votes) {
 
 }  // namespace
 
-SeenThroughVotes::SeenThroughVotes(const std::vector<CellSum>& cells, const CellGrid& grid,
-                                   const SeenThroughOptions& options)
+FreeSpaceVotes::FreeSpaceVotes(const std::vector<CellSum>& cells, const CellGrid& grid,
+                               const DynamicRemovalOptions& options)
     : cells_(cells), grid_(grid), options_(options), votes_(cells.size()) {
   options_.free_space.margin_m += 0.5 * grid.cell_m();
   tile_radius_m_ = 0.5 * std::sqrt(3.0) * grid.cell_m() * (1 << kTileLevel);
@@ -34,16 +34,16 @@ SeenThroughVotes::SeenThroughVotes(const std::vector<CellSum>& cells, const Cell
   }
 }
 
-bool SeenThroughVotes::IsNear(const Eigen::Vector3d& position, const Tile& tile) const {
+bool FreeSpaceVotes::IsNear(const Eigen::Vector3d& position, const Tile& tile) const {
   return (tile.centre - position).norm() < options_.max_range_m + tile_radius_m_;
 }
 
-bool SeenThroughVotes::HasVote(const RigidTransform& T_map_scan) const {
+bool FreeSpaceVotes::HasVote(const RigidTransform& T_map_scan) const {
   return std::any_of(tiles_.begin(), tiles_.end(),
                      [&](const Tile& tile) { return IsNear(T_map_scan.translation(), tile); });
 }
 
-void SeenThroughVotes::AddScan(const Scan& scan, const RigidTransform& T_map_scan, const Stop& stop) {
+void FreeSpaceVotes::AddScan(const Scan& scan, const RigidTransform& T_map_scan, const Stop& stop) {
   const FreeSpace free_space(scan.points, options_.free_space, stop);
   const RigidTransform T_scan_map = T_map_scan.inverse();
   std::vector<const Tile*> near;
@@ -60,7 +60,7 @@ void SeenThroughVotes::AddScan(const Scan& scan, const RigidTransform& T_map_sca
   });
 }
 
-void SeenThroughVotes::Vote(const FreeSpace& free_space, const RigidTransform& T_scan_map, const Tile& tile) {
+void FreeSpaceVotes::Vote(const FreeSpace& free_space, const RigidTransform& T_scan_map, const Tile& tile) {
   const auto max_range_m = static_cast<float>(options_.max_range_m);
   for (std::size_t i = tile.begin; i < tile.end; ++i) {
     const Eigen::Vector3f point = (T_scan_map * MeanOf(cells_[i], grid_)).cast<float>();

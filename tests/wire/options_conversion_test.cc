@@ -1,19 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "wire/conversion.h"
+#include "wire/options_conversion.h"
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
 
 #include <gmock/gmock.h>
 
+#include "core/methods/registration_names.h"
 #include "tests/testing/matchers.h"
 #include "tests/wire/conversion_samples.h"
-#include "wire/duration.h"
 
 namespace curvereg::wire {
 namespace {
@@ -32,78 +31,8 @@ RegistrationOptions FullOptions() {
   return options;
 }
 
-TEST(ConversionTest, TransformsComeBackAtAnyAttitude) {
-  for (int i = 0; i < 200; ++i) {
-    RigidTransform T = RigidTransform::Identity();
-    T.linear() = RotationFromVector({0.1 * i, 3.1 - 0.07 * i, std::sin(1.0 * i)});
-    T.translation() << i, -1e5 * i, 1e-7 * i;
-    const v1::RigidTransform message = ToWire(T);
-    EXPECT_GE(message.rotation().w(), 0.0);
-    const auto back = FromWire(message);
-    ASSERT_THAT(back, IsOk());
-    EXPECT_THAT(*back, IsNear(T, 0.0, 1e-14));
-    EXPECT_EQ(back->translation(), T.translation());
-  }
-}
-
-TEST(ConversionTest, QuaternionsNearUnitLengthAreNormalised) {
-  v1::RigidTransform message = ToWire(SomePose());
-  for (auto* rotation = message.mutable_rotation(); const double scale : {0.991, 1.009}) {
-    const v1::Quaternion unit = ToWire(SomePose()).rotation();
-    rotation->set_x(scale * unit.x());
-    rotation->set_y(scale * unit.y());
-    rotation->set_z(scale * unit.z());
-    rotation->set_w(scale * unit.w());
-    const auto back = FromWire(message);
-    ASSERT_THAT(back, IsOk());
-    EXPECT_THAT(*back, IsNear(SomePose(), 0.0, 1e-12));
-  }
-}
-
-TEST(ConversionTest, UnusableTransformsNameTheField) {
-  const auto field_after = [](const std::function<void(v1::RigidTransform&)>& change) {
-    v1::RigidTransform message = ToWire(SomePose());
-    change(message);
-    return FieldOf(FromWire(message).status());
-  };
-  EXPECT_EQ(field_after([](auto& T) { T.clear_translation(); }), "translation");
-  EXPECT_EQ(field_after([](auto& T) { T.clear_rotation(); }), "rotation");
-  EXPECT_EQ(field_after([](auto& T) { T.mutable_translation()->set_y(kNan); }), "translation");
-  EXPECT_EQ(field_after([](auto& T) { T.mutable_translation()->set_z(-kInfinity); }), "translation");
-  EXPECT_EQ(field_after([](auto& T) { T.mutable_rotation()->set_w(kNan); }), "rotation");
-  EXPECT_EQ(field_after([](auto& T) { T.mutable_rotation()->set_x(1.5); }), "rotation");
-  EXPECT_EQ(field_after([](auto& T) { *T.mutable_rotation() = v1::Quaternion(); }), "rotation");
-}
-
-TEST(ConversionTest, CovariancesComeBackToTheBit) {
-  const Matrix6d covariance = SomeCovariance();
-  const v1::PoseCovariance message = ToWire(covariance);
-  ASSERT_EQ(message.upper_triangle_size(), 21);
-  EXPECT_EQ(message.upper_triangle(1), covariance(0, 1));
-  EXPECT_EQ(message.upper_triangle(6), covariance(1, 1));
-  EXPECT_EQ(message.upper_triangle(20), covariance(5, 5));
-  const auto back = FromWire(message);
-  ASSERT_THAT(back, IsOk());
-  EXPECT_EQ(*back, covariance);
-}
-
-TEST(ConversionTest, UnusableCovariancesAreRefused) {
-  v1::PoseCovariance too_short = ToWire(SomeCovariance());
-  too_short.mutable_upper_triangle()->RemoveLast();
-  v1::PoseCovariance too_long = ToWire(SomeCovariance());
-  too_long.add_upper_triangle(1.0);
-  v1::PoseCovariance not_finite = ToWire(SomeCovariance());
-  not_finite.set_upper_triangle(3, kInfinity);
-  v1::PoseCovariance negative = ToWire(SomeCovariance());
-  negative.set_upper_triangle(0, -1.0);
-  const v1::PoseCovariance zero = ToWire(Matrix6d(Matrix6d::Zero()));
-  for (const v1::PoseCovariance& message : {v1::PoseCovariance(), too_short, too_long, not_finite, negative, zero}) {
-    EXPECT_EQ(FieldOf(FromWire(message).status()), "upper_triangle") << message.ShortDebugString();
-  }
-}
-
 // The wire name of a method is its command-line name in capitals.
-TEST(ConversionTest, EveryMethodHasItsNumber) {
+TEST(OptionsConversionTest, EveryMethodHasItsNumber) {
   for (const Method method : AllMethods()) {
     std::string name = "METHOD_" + std::string(MethodName(method));
     std::transform(name.begin(), name.end(), name.begin(),
@@ -116,14 +45,14 @@ TEST(ConversionTest, EveryMethodHasItsNumber) {
   EXPECT_EQ(AllMethods().size() + 1, static_cast<size_t>(v1::Method_ARRAYSIZE));
 }
 
-TEST(ConversionTest, UnspecifiedMethodIsCurveletAndUnknownIsRefused) {
+TEST(OptionsConversionTest, UnspecifiedMethodIsCurveletAndUnknownIsRefused) {
   const auto unspecified = FromWire(v1::METHOD_UNSPECIFIED);
   ASSERT_THAT(unspecified, IsOk());
   EXPECT_EQ(*unspecified, Method::kCurvelet);
   EXPECT_EQ(FieldOf(FromWire(static_cast<v1::Method>(99)).status()), "method");
 }
 
-TEST(ConversionTest, OptionsComeBack) {
+TEST(OptionsConversionTest, OptionsComeBack) {
   const RegistrationOptions options = FullOptions();
   const auto back = FromWire(ToWire(options), 8);
   ASSERT_THAT(back, IsOk());
@@ -136,7 +65,7 @@ TEST(ConversionTest, OptionsComeBack) {
   EXPECT_EQ(back->time_budget_s, options.time_budget_s);
 }
 
-TEST(ConversionTest, EmptyOptionsAreTheDefaults) {
+TEST(OptionsConversionTest, EmptyOptionsAreTheDefaults) {
   const RegistrationOptions defaults;
   for (const auto& message : {v1::RegistrationOptions(), ToWire(defaults)}) {
     const auto options = FromWire(message, 0);
@@ -149,7 +78,7 @@ TEST(ConversionTest, EmptyOptionsAreTheDefaults) {
   }
 }
 
-TEST(ConversionTest, SeedZeroIsASeed) {
+TEST(OptionsConversionTest, SeedZeroIsASeed) {
   v1::RegistrationOptions message;
   message.set_seed(0);
   const auto options = FromWire(message, 0);
@@ -157,7 +86,7 @@ TEST(ConversionTest, SeedZeroIsASeed) {
   EXPECT_EQ(options->seed, 0U);
 }
 
-TEST(ConversionTest, ThreadsAreCutToTheBound) {
+TEST(OptionsConversionTest, ThreadsAreCutToTheBound) {
   const auto threads = [](uint32_t wanted, int bound) {
     v1::RegistrationOptions message;
     message.set_max_threads(wanted);
@@ -173,7 +102,7 @@ TEST(ConversionTest, ThreadsAreCutToTheBound) {
   EXPECT_EQ(threads(0xFFFFFFFFU, 0), std::numeric_limits<int>::max());
 }
 
-TEST(ConversionTest, UnusableOptionsNameTheField) {
+TEST(OptionsConversionTest, UnusableOptionsNameTheField) {
   const auto field_after = [](const std::function<void(v1::RegistrationOptions&)>& change) {
     v1::RegistrationOptions message = ToWire(FullOptions());
     change(message);
@@ -191,7 +120,7 @@ TEST(ConversionTest, UnusableOptionsNameTheField) {
   EXPECT_EQ(field_after([](auto& m) { m.mutable_time_budget()->set_seconds(INT64_MAX); }), "time_budget");
 }
 
-TEST(ConversionTest, BudgetsThatAreNoDurationsAreToldApart) {
+TEST(OptionsConversionTest, BudgetsThatAreNoDurationsAreToldApart) {
   const auto message_of = [](int64_t seconds, int32_t nanos) {
     v1::RegistrationOptions message;
     message.mutable_time_budget()->set_seconds(seconds);
@@ -205,27 +134,12 @@ TEST(ConversionTest, BudgetsThatAreNoDurationsAreToldApart) {
   EXPECT_THAT(message_of(-1, -1), HasSubstr("not above 0"));
 }
 
-TEST(ConversionTest, TinyBudgetsStayAboveZero) {
+TEST(OptionsConversionTest, TinyBudgetsStayAboveZero) {
   RegistrationOptions options;
   options.time_budget_s = 1e-12;
   const auto back = FromWire(ToWire(options), 0);
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(back->time_budget_s, 1e-9);
-}
-
-TEST(ConversionTest, DurationsKeepNanoseconds) {
-  for (const double seconds : {0.0, 1e-9, 0.1, 1.999999999, 2.9999999999, 12345.678901234, -0.25, -3.0}) {
-    const auto back = SecondsOf(ToWire(seconds));
-    ASSERT_TRUE(back.has_value()) << seconds;
-    EXPECT_NEAR(*back, seconds, 5.1e-10);
-  }
-  EXPECT_EQ(SecondsOf(ToWire(1e300)), 315'576'000'000.0);
-  EXPECT_EQ(SecondsOf(ToWire(-kInfinity)), -315'576'000'000.0);
-  EXPECT_EQ(SecondsOf(ToWire(kNan)), 0.0);
-  google::protobuf::Duration mixed;
-  mixed.set_seconds(1);
-  mixed.set_nanos(-1);
-  EXPECT_FALSE(SecondsOf(mixed).has_value());
 }
 
 }  // namespace

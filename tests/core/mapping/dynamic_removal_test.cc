@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "core/mapping/seen_through.h"
+#include "core/mapping/dynamic_removal.h"
 
 #include <gtest/gtest.h>
 
@@ -88,9 +88,9 @@ BoxScene DriveBy(int num_scans, const BoxOf& box_of) {
 }
 
 using CellSet = std::set<std::tuple<int, int, int>>;
-CellSet SetOf(const MapScene& scene, bool remove_seen_through) {
+CellSet SetOf(const MapScene& scene, bool remove_dynamic) {
   CellSet set;
-  for (const MapCell& cell : testing::CellsOf(scene, {.cell_m = 0.1, .remove_seen_through = remove_seen_through})) {
+  for (const MapCell& cell : testing::CellsOf(scene, {.cell_m = 0.1, .remove_dynamic = remove_dynamic})) {
     set.emplace(cell.index.x(), cell.index.y(), cell.index.z());
   }
   return set;
@@ -126,7 +126,7 @@ Kept ShareKept(const BoxScene& scene) {
   return shares;
 }
 
-TEST(SeenThroughTest, AMovingBoxGoesAndTheGroundStays) {
+TEST(DynamicRemovalTest, AMovingBoxGoesAndTheGroundStays) {
   // It drives along beside the rover, now and then out of sight.
   const Kept kept = ShareKept(DriveBy(
       kNumScans, [](int i) { return i % 3 == 2 ? std::nullopt : std::optional(BoxAt(1.5 * i - 3.0, 5.0 - 0.4 * i)); }));
@@ -136,14 +136,14 @@ TEST(SeenThroughTest, AMovingBoxGoesAndTheGroundStays) {
   EXPECT_GT(kept.ground, 0.995);
 }
 
-TEST(SeenThroughTest, ABoxThatStaysIsKept) {
+TEST(DynamicRemovalTest, ABoxThatStaysIsKept) {
   const Kept kept = ShareKept(DriveBy(kNumScans, [](int) { return std::optional(BoxAt(1.0, 5.0)); }));
   EXPECT_GT(kept.num_box_cells, 150);
   EXPECT_GT(kept.box, 0.98);
   EXPECT_GT(kept.ground, 0.995);
 }
 
-TEST(SeenThroughTest, OneScanAloneLosesNothing) {
+TEST(DynamicRemovalTest, OneScanAloneLosesNothing) {
   const Kept kept = ShareKept(DriveBy(1, [](int) { return std::optional(BoxAt(-2.0, 2.0)); }));
   EXPECT_GT(kept.num_box_cells, 50);
   EXPECT_EQ(kept.box, 1.0);
@@ -167,41 +167,41 @@ class OneCellTest : public ::testing::Test {
     }
     return scan;
   }
-  bool IsSeenThrough(int num_through, int num_surface) const {
-    SeenThroughVotes votes(cells_, grid_);
+  bool IsDynamic(int num_through, int num_surface) const {
+    FreeSpaceVotes votes(cells_, grid_);
     for (int i = 0; i < num_through; ++i) votes.AddScan(Wall(10.0), RigidTransform::Identity());
     for (int i = 0; i < num_surface; ++i) votes.AddScan(Wall(5.0), RigidTransform::Identity());
     votes.AddScan(Wall(2.0), RigidTransform::Identity());  // sees nothing of it
-    return votes.IsSeenThrough(0);
+    return votes.IsDynamic(0);
   }
 
   CellGrid grid_{0.1, Eigen::Vector3d::Zero()};
   std::vector<CellSum> cells_;
 };
 
-TEST_F(OneCellTest, ClearlyMoreMustHaveSeenThroughIt) {
-  EXPECT_FALSE(IsSeenThrough(0, 0));
-  EXPECT_FALSE(IsSeenThrough(0, 3));
-  EXPECT_TRUE(IsSeenThrough(1, 0));
-  EXPECT_TRUE(IsSeenThrough(1, 1));
-  EXPECT_FALSE(IsSeenThrough(2, 2));
-  EXPECT_TRUE(IsSeenThrough(3, 2));
-  EXPECT_FALSE(IsSeenThrough(8, 5));
-  EXPECT_TRUE(IsSeenThrough(9, 5));
+TEST_F(OneCellTest, ClearlyMoreMustSeeFreeSpaceThere) {
+  EXPECT_FALSE(IsDynamic(0, 0));
+  EXPECT_FALSE(IsDynamic(0, 3));
+  EXPECT_TRUE(IsDynamic(1, 0));
+  EXPECT_TRUE(IsDynamic(1, 1));
+  EXPECT_FALSE(IsDynamic(2, 2));
+  EXPECT_TRUE(IsDynamic(3, 2));
+  EXPECT_FALSE(IsDynamic(8, 5));
+  EXPECT_TRUE(IsDynamic(9, 5));
 }
 
 TEST_F(OneCellTest, OnlyScansNearEnoughHaveAVote) {
-  const SeenThroughVotes votes(cells_, grid_);
+  const FreeSpaceVotes votes(cells_, grid_);
   EXPECT_TRUE(votes.HasVote(RigidTransform::Identity()));
   EXPECT_TRUE(votes.HasVote(testing::UprightPose(-24.0, 0.0, 0.0)));
   EXPECT_FALSE(votes.HasVote(testing::UprightPose(-28.0, 0.0, 0.0)));
-  SeenThroughVotes far(cells_, grid_);
+  FreeSpaceVotes far(cells_, grid_);
   far.AddScan(Wall(80.0), testing::UprightPose(-26.0, 0.0, 0.0, 0.0));
-  EXPECT_FALSE(far.IsSeenThrough(0));
-  SeenThroughVotes near(cells_, grid_);
+  EXPECT_FALSE(far.IsDynamic(0));
+  FreeSpaceVotes near(cells_, grid_);
   near.AddScan(Wall(80.0), testing::UprightPose(-20.0, 0.0, 0.0, 0.0));
-  EXPECT_TRUE(near.IsSeenThrough(0));
-  EXPECT_FALSE(SeenThroughVotes({}, grid_).HasVote(RigidTransform::Identity()));
+  EXPECT_TRUE(near.IsDynamic(0));
+  EXPECT_FALSE(FreeSpaceVotes({}, grid_).HasVote(RigidTransform::Identity()));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scan/scan_filter.h"
+#include "core/scan/outlier_removal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ BinnedReturns SortIntoBins(const std::vector<Eigen::Vector3f>& points, const Eig
   return binned;
 }
 
-bool IsSupported(const BinnedReturns& binned, int bin, const Return& own, const IsolationOptions& options) {
+bool IsSupported(const BinnedReturns& binned, int bin, const Return& own, const OutlierRemovalOptions& options) {
   const float range_limit =
       static_cast<float>(options.range_m) + static_cast<float>(options.range_per_m2) * own.range * own.range;
   const float height_limit =
@@ -68,9 +68,8 @@ bool IsSupported(const BinnedReturns& binned, int bin, const Return& own, const 
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> RemoveIsolatedReturns(const std::vector<Eigen::Vector3f>& points,
-                                                   const Eigen::Vector3d& up, const IsolationOptions& options,
-                                                   const Stop& stop) {
+std::vector<Eigen::Vector3f> RemoveOutliers(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& up,
+                                            const OutlierRemovalOptions& options, const Stop& stop) {
   const Eigen::Vector3f up_f = up.cast<float>();
   const BinnedReturns binned = SortIntoBins(points, up_f, options.bins_per_side, stop);
   constexpr size_t kBlock = 16384;
