@@ -31,6 +31,7 @@
 #include "server/scheduling/worker_pool.h"
 #include "server/server_gauges.h"
 #include "server/settings/resolved_limits.h"
+#include "server/store/recovery_log.h"
 #include "server/store/scan_store.h"
 #include "server/traverses/traverse_service.h"
 #include "server/traverses/traverses.h"
@@ -187,20 +188,7 @@ absl::Status WholeServer::OpenStore() {
   if (!store.ok()) return store.status();
   store_ = *std::move(store);
   AddStoreGauges(metrics_, *store_, limits_.max_stored_bytes, config_.data_dir);
-  for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", "scans/" + id}});
-  const StoreFindings findings = store_->Findings();
-  if (findings.num_lost_files > 0) {
-    logger_->Error("files_lost", {{"count", static_cast<int64_t>(findings.num_lost_files)},
-                                  {"folder", ScanStore::LostFolder(config_.data_dir)}});
-  }
-  for (const std::string& id : findings.emptied_uploads) {
-    logger_->Error("upload_emptied", {{"upload", "uploads/" + id}});
-  }
-  const StoreStatistics statistics = store_->Statistics();
-  logger_->Info("store_opened", {{"data_dir", config_.data_dir},
-                                 {"scans", static_cast<int64_t>(statistics.num_scans)},
-                                 {"uploads", static_cast<int64_t>(statistics.num_uploads)},
-                                 {"bytes", static_cast<int64_t>(statistics.stored_bytes)}});
+  LogRecovery(*store_, config_.data_dir, *logger_);
   return absl::OkStatus();
 }
 

@@ -77,7 +77,7 @@ void AddStoreGauges(Metrics& metrics, ScanStore& store, uint64_t max_stored_byte
   metrics.SetGauge("curvereg_store_damaged_scans", "Stored scans found damaged",
                    [scans] { return static_cast<double>(scans->DamagedScans().size()); });
   metrics.SetGauge("curvereg_store_lost_files", "Files set aside because no record names them",
-                   [lost = ScanStore::LostFolder(folder)] { return NumFiles(lost); });
+                   [orphans = ScanStore::OrphanFolder(folder)] { return NumFiles(orphans); });
   metrics.SetGauge("curvereg_store_disk_free_bytes", "Free bytes of the disk that holds the store",
                    [folder] { return FreeBytes(folder); });
   metrics.SetGauge("curvereg_store_disk_bytes", "Bytes of the disk that holds the store",

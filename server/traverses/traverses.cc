@@ -249,7 +249,7 @@ absl::Status TraversesImpl::RemoveTraverse(const std::string& name) {
   const std::shared_ptr<TraverseWatchers> watchers = (*engine)->watchers();
   (*engine)->Close();
   const TraverseRecord record = (*engine)->record();
-  const absl::Status status = environment_.store->WithSpareSpace([&] { return store_->RemoveTraverse(record.number); });
+  const absl::Status status = environment_.store->WithReservedSpace([&] { return store_->RemoveTraverse(record.number); });
   if (!status.ok()) {
     // It is still there: who watches goes on, who streams begins anew.
     (*engine)->EndStream();
@@ -404,7 +404,7 @@ absl::StatusOr<std::unique_ptr<Traverses>> Traverses::Open(const std::string& da
   const StoreStatistics scans = environment.store->Statistics();
   const bool may_be_new = scans.num_scans == 0 && scans.num_uploads == 0;
   // A full disk must not keep anybody from deleting.
-  const absl::Status opened = environment.store->WithSpareSpace([&] {
+  const absl::Status opened = environment.store->WithReservedSpace([&] {
     store = TraverseStore::Open(data_dir + kDatabaseName, may_be_new);
     return store.status();
   });

@@ -82,7 +82,7 @@ TEST_F(TraverseStoreTest, RemovesALongTraverseFromAFullDisk) {
   ASSERT_THAT(store, IsOk());
   disk.FillUp(0);
   ASSERT_THAT((*store)->RemoveTraverse(record.number), HasReason(v1::ERROR_REASON_STORAGE_FULL));
-  EXPECT_THAT(scans->WithSpareSpace([&] { return (*store)->RemoveTraverse(record.number); }), IsOk());
+  EXPECT_THAT(scans->WithReservedSpace([&] { return (*store)->RemoveTraverse(record.number); }), IsOk());
   const auto links = (*store)->Links(record.number);
   ASSERT_THAT(links, IsOk());
   EXPECT_THAT(*links, IsEmpty());
