@@ -49,11 +49,11 @@ constexpr uint64_t kLeastQuotaBytes = uint64_t{256} << 20;  // of gRPC's own buf
 constexpr std::chrono::minutes kExpiryInterval{10};         // between looks for abandoned uploads
 constexpr std::chrono::milliseconds kEndingMargin{500};     // of the grace time, for calls to end that are stopped
 constexpr std::chrono::milliseconds kDrainPoll{5};          // between looks whether calls are open
-constexpr std::chrono::milliseconds kGoodbye{100};          // for the last answers to leave
+constexpr std::chrono::milliseconds kFlushTime{100};        // for the last answers to leave
 
-class WholeServer final : public Server {
+class ServerImpl final : public Server {
  public:
-  explicit WholeServer(const ServerConfig& config)
+  explicit ServerImpl(const ServerConfig& config)
       : config_(config),
         limits_(ResolveLimits(config.limits)),
         memory_(limits_.memory_bytes),
@@ -63,7 +63,7 @@ class WholeServer final : public Server {
                .max_queue_per_client = limits_.max_queue_per_client}),
         disk_pool_(
             {.num_workers = kDiskWorkers, .max_queue_length = kMaxDiskTasks, .max_queue_per_client = kMaxDiskTasks}) {}
-  ~WholeServer() override { Shutdown(std::chrono::milliseconds(0)); }
+  ~ServerImpl() override { Shutdown(std::chrono::milliseconds(0)); }
 
   absl::Status Open();
   absl::Status OpenInProcess();
@@ -82,7 +82,7 @@ class WholeServer final : public Server {
   void ExpireUploads(const std::stop_token& stop);
   void AwaitCalls(std::chrono::steady_clock::time_point until) const;
   CallEnvironment Calls();
-  TraverseEnvironment ForTraverses();
+  ScanSources Scans();
 
   const ServerConfig config_;
   const LimitsConfig limits_;
@@ -111,7 +111,7 @@ class WholeServer final : public Server {
   std::once_flag shut_down_;
 };
 
-CallEnvironment WholeServer::Calls() {
+CallEnvironment ServerImpl::Calls() {
   return {.access = access_.get(),
           .metrics = &metrics_,
           .logger = logger_.get(),
@@ -120,18 +120,11 @@ CallEnvironment WholeServer::Calls() {
           .ending = ending_.get_token()};
 }
 
-TraverseEnvironment WholeServer::ForTraverses() {
-  return {.limits = limits_,
-          .store = store_.get(),
-          .memory = &memory_,
-          .cache = &cache_,
-          .pool = &pool_,
-          .disk_pool = &disk_pool_,
-          .metrics = &metrics_,
-          .logger = logger_.get()};
+ScanSources ServerImpl::Scans() {
+  return {.limits = limits_, .memory = &memory_, .cache = &cache_, .store = store_.get(), .metrics = &metrics_};
 }
 
-absl::Status WholeServer::Open() {
+absl::Status ServerImpl::Open() {
   absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config_.log, stderr);
   if (!logger.ok()) return logger.status();
   logger_ = *std::move(logger);
@@ -157,7 +150,7 @@ absl::Status WholeServer::Open() {
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenInProcess() {
+absl::Status ServerImpl::OpenInProcess() {
   logger_ = Logger::Silent();
   access_ = Access::Open();
   grpc::ServerBuilder builder;
@@ -169,7 +162,7 @@ absl::Status WholeServer::OpenInProcess() {
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenOperationsPort() {
+absl::Status ServerImpl::OpenOperationsPort() {
   AddServerGauges(metrics_, {.pool = &pool_, .memory = &memory_, .cache = &cache_});
   if (config_.ops_listen.empty()) return absl::OkStatus();
   const auto not_ready = [this]() -> std::string { return not_ready_.load(); };
@@ -180,7 +173,7 @@ absl::Status WholeServer::OpenOperationsPort() {
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenStore() {
+absl::Status ServerImpl::OpenStore() {
   absl::StatusOr<std::unique_ptr<ScanStore>> store =
       ScanStore::Open(config_.data_dir, {.max_stored_bytes = limits_.max_stored_bytes,
                                          .max_uploads = limits_.max_uploads,
@@ -192,11 +185,13 @@ absl::Status WholeServer::OpenStore() {
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenTraverses() {
-  absl::StatusOr<std::unique_ptr<MapBuilder>> maps = MapBuilder::Open(config_.data_dir, ForTraverses());
+absl::Status ServerImpl::OpenTraverses() {
+  absl::StatusOr<std::unique_ptr<MapBuilder>> maps =
+      MapBuilder::Open(config_.data_dir, {.limits = limits_, .store = store_.get(), .memory = &memory_});
   if (!maps.ok()) return maps.status();
   maps_ = *std::move(maps);
-  absl::StatusOr<std::unique_ptr<Traverses>> traverses = Traverses::Open(config_.data_dir, ForTraverses());
+  absl::StatusOr<std::unique_ptr<Traverses>> traverses =
+      Traverses::Open(config_.data_dir, {.scans = Scans(), .pool = &pool_, .logger = logger_.get()});
   if (!traverses.ok()) return traverses.status();
   traverses_ = *std::move(traverses);
   metrics_.SetGauge("curvereg_traverses", "Traverses that are kept",
@@ -204,13 +199,9 @@ absl::Status WholeServer::OpenTraverses() {
   return absl::OkStatus();
 }
 
-void WholeServer::AddServices(grpc::ServerBuilder& builder) {
-  registration_service_ = std::make_unique<RegistrationService>(RegistrationBackend{.calls = Calls(),
-                                                                                    .limits = limits_,
-                                                                                    .pool = &pool_,
-                                                                                    .memory = &memory_,
-                                                                                    .cache = &cache_,
-                                                                                    .store = store_.get()});
+void ServerImpl::AddServices(grpc::ServerBuilder& builder) {
+  registration_service_ =
+      std::make_unique<RegistrationService>(RegistrationBackend{.calls = Calls(), .scans = Scans(), .pool = &pool_});
   builder.RegisterService(registration_service_.get());
   builder.RegisterService(&health_);
   if (store_ == nullptr) return;
@@ -223,12 +214,16 @@ void WholeServer::AddServices(grpc::ServerBuilder& builder) {
                                                             .traverses = traverses_.get()});
   builder.RegisterService(scan_service_.get());
   if (traverses_ == nullptr) return;
-  traverse_service_ = std::make_unique<TraverseService>(TraverseBackend{
-      .calls = Calls(), .traverse_environment = ForTraverses(), .traverses = traverses_.get(), .maps = maps_.get()});
+  traverse_service_ = std::make_unique<TraverseService>(TraverseBackend{.calls = Calls(),
+                                                                        .scans = Scans(),
+                                                                        .pool = &pool_,
+                                                                        .disk_pool = &disk_pool_,
+                                                                        .traverses = traverses_.get(),
+                                                                        .maps = maps_.get()});
   builder.RegisterService(traverse_service_.get());
 }
 
-absl::Status WholeServer::Listen() {
+absl::Status ServerImpl::Listen() {
   const bool has_port = !config_.listen.empty();
   const absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeServerCredentials(config_.tls);
   if (!credentials.ok()) return credentials.status();
@@ -254,14 +249,14 @@ absl::Status WholeServer::Listen() {
   return absl::OkStatus();
 }
 
-std::shared_ptr<grpc::Channel> WholeServer::InProcessChannel() {
+std::shared_ptr<grpc::Channel> ServerImpl::InProcessChannel() {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
   return grpc_server_->InProcessChannel(arguments);
 }
 
-void WholeServer::ExpireUploads(const std::stop_token& stop) {
+void ServerImpl::ExpireUploads(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any wake;
   std::unique_lock lock(mutex);
@@ -277,11 +272,11 @@ void WholeServer::ExpireUploads(const std::stop_token& stop) {
 }
 
 // Until none is open.
-void WholeServer::AwaitCalls(std::chrono::steady_clock::time_point until) const {
+void ServerImpl::AwaitCalls(std::chrono::steady_clock::time_point until) const {
   while (num_open_calls_ > 0 && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kDrainPoll);
 }
 
-void WholeServer::Shutdown(std::chrono::milliseconds grace) {
+void ServerImpl::Shutdown(std::chrono::milliseconds grace) {
   std::call_once(shut_down_, [&] {
     const auto deadline = std::chrono::steady_clock::now() + grace;
     not_ready_ = "draining";
@@ -292,10 +287,10 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
     AwaitCalls(deadline - kEndingMargin);
     // Reaches the core's loops. Each call ends with an error of ours, while there is still a connection for it.
     ending_.request_stop();
-    AwaitCalls(deadline - kGoodbye);
+    AwaitCalls(deadline - kFlushTime);
     // What is left, of clients that do not read, gRPC cancels. It would wait for idle connections as well, whose
     // clients may take seconds to notice.
-    if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
+    if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + kFlushTime);
     if (traverses_ != nullptr) traverses_->Close();
     pool_.Shutdown(std::chrono::steady_clock::now());
     disk_pool_.Shutdown(std::chrono::steady_clock::now());
@@ -308,7 +303,7 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
-  auto server = std::make_unique<WholeServer>(config);
+  auto server = std::make_unique<ServerImpl>(config);
   if (absl::Status status = server->Open(); !status.ok()) return status;
   return server;
 }
@@ -321,7 +316,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::StartWithoutPort(const ServerCon
   own.ops_listen.clear();
   if (absl::Status status = Validate(own); !status.ok()) return status;
   own.listen.clear();
-  auto server = std::make_unique<WholeServer>(own);
+  auto server = std::make_unique<ServerImpl>(own);
   if (absl::Status status = server->Open(); !status.ok()) return status;
   return server;
 }
@@ -335,7 +330,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::StartInProcess(const ServerConfi
   // What a scan may need at worst is far above what it needs; nobody else is to be kept from starving.
   own.limits.memory_bytes = uint64_t{1} << 50;
   own.limits.cache_bytes = 1;  // scans without a name are not kept
-  auto server = std::make_unique<WholeServer>(own);
+  auto server = std::make_unique<ServerImpl>(own);
   if (absl::Status status = server->OpenInProcess(); !status.ok()) return status;
   return server;
 }

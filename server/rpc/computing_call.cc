@@ -20,7 +20,7 @@ grpc::ServerUnaryReactor* ComputingCall::Start() {
 absl::Status ComputingCall::Queue() {
   const absl::StatusOr<uint64_t> bytes = Check();
   if (!bytes.ok()) return bytes.status();
-  absl::StatusOr<MemoryBudget::Reservation> reservation = backend_.memory->Reserve(*bytes);
+  absl::StatusOr<MemoryBudget::Reservation> reservation = backend_.scans.memory->Reserve(*bytes);
   if (!reservation.ok()) return reservation.status();
   reservation_ = *std::move(reservation);
   return backend_.pool->Submit({.client = call_.client(),

@@ -117,7 +117,7 @@ class ScanStore {
   virtual RecoveryReport Recovery() = 0;
 };
 
-// The right to go on with one upload, until another writer of the same upload is begun. Used by one thread at a time.
+// The right to continue one upload, until another writer of the same upload is begun. Used by one thread at a time.
 // Destroying it leaves what is committed. Must not outlive the store.
 class UploadWriter {
  public:

@@ -28,6 +28,10 @@ absl::Status TraverseNotFound(const std::string& name) {
   return wire::MakeError(v1::ERROR_REASON_TRAVERSE_NOT_FOUND, absl::StrCat("no traverse of the name ", name));
 }
 
+absl::Status TraverseClosed() {
+  return wire::MakeError(v1::ERROR_REASON_CANCELLED, "the traverse was closed or deleted");
+}
+
 absl::StatusOr<std::string> TraverseIdOf(std::string_view name, std::string_view field) {
   if (name.starts_with(kTraverses)) {
     std::string id(name.substr(kTraverses.size()));

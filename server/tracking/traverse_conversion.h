@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Traverses between the core and the contract. Poses and links are kept as messages, so the core works with what comes
-// out of them again: then a server that was restarted goes on with the same numbers.
+// out of them again: then a restarted server continues with the same numbers.
 #ifndef CURVEREG_SERVER_TRACKING_TRAVERSE_CONVERSION_H_
 #define CURVEREG_SERVER_TRACKING_TRAVERSE_CONVERSION_H_
 
@@ -21,6 +21,7 @@ namespace curvereg::server {
 
 std::string TraverseName(std::string_view traverse_id);  // "traverses/ID"
 absl::Status TraverseNotFound(const std::string& name);  // TRAVERSE_NOT_FOUND
+absl::Status TraverseClosed();                           // CANCELLED
 // INVALID_FIELD naming `field`: not "traverses/" and 1 to 64 of a-z, 0-9 and '-'.
 absl::StatusOr<std::string> TraverseIdOf(std::string_view name, std::string_view field);
 

@@ -58,8 +58,9 @@ ScanStreamSession::Answer ScanStreamSession::Handle(v1::StreamScansRequest& requ
 
 ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& start) {
   if (const absl::Status named = TraverseIdOf(start.traverse(), "start.traverse").status(); !named.ok()) return named;
-  Traverses& traverses = *environment_.traverses;
-  absl::StatusOr<StreamTicket> ticket = traverses.BeginStream(start.traverse(), replaced_);
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(start.traverse());
+  if (!traverse.ok()) return traverse.status();
+  absl::StatusOr<StreamTicket> ticket = (*traverse)->BeginStream(replaced_);
   if (!ticket.ok()) return ticket.status();
   if (start.has_last_result_sequence_number()) {
     const uint64_t last = start.last_result_sequence_number();
@@ -69,9 +70,7 @@ ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& s
     next_result_ = last + 1;
   }
   // Before the first look at results, so that none is missed.
-  absl::StatusOr<std::unique_ptr<Traverses::Subscription>> subscription = traverses.Subscribe(start.traverse(), wake_);
-  if (!subscription.ok()) return subscription.status();
-  subscription_ = *std::move(subscription);
+  subscription_ = (*traverse)->Subscribe(wake_);
   name_ = start.traverse();
   ticket_ = *std::move(ticket);
   next_sequence_number_ = ticket_->next_sequence_number;
@@ -92,10 +91,10 @@ ScanStreamSession::Answer ScanStreamSession::Announce(v1::StreamedScanHeader& he
   if (absl::Status valid = ValidateScanHeader(header, environment_.uploads.limits); !valid.ok()) {
     return wire::WithinField("header", std::move(valid));
   }
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(name_);
+  if (!traverse.ok()) return traverse.status();
   bool known = false;
-  if (const absl::Status status = environment_.traverses->CheckScan(*ticket_, header, &known); !status.ok()) {
-    return status;
-  }
+  if (const absl::Status status = (*traverse)->CheckScan(*ticket_, header, &known); !status.ok()) return status;
   scan_ = StreamedScan{.header = std::move(header)};  // clang 14 takes no emplace()
   // The store knows payloads by XXH3_128 alone; with another digest the transfer tells which scan it is.
   const v1::Digest& digest = scan_->header.payload_digest();
@@ -181,7 +180,9 @@ ScanStreamSession::Answer ScanStreamSession::Finish() {
 ScanStreamSession::Answer ScanStreamSession::AddToTraverse(const std::string& scan_name) {
   absl::StatusOr<std::string> scan_id = ScanIdOf(scan_name, "name");
   if (!scan_id.ok()) return scan_id.status();
-  const absl::StatusOr<uint64_t> next = environment_.traverses->AddScan(*ticket_, scan_->header, *scan_id);
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(name_);
+  if (!traverse.ok()) return traverse.status();
+  const absl::StatusOr<uint64_t> next = (*traverse)->AddScan(*ticket_, scan_->header, *scan_id);
   if (!next.ok()) return next.status();
   next_sequence_number_ = *next;
   return Complete(*scan_id);
@@ -210,8 +211,9 @@ absl::StatusOr<v1::UploadScanResponse> ScanStreamSession::Upload(v1::UploadScanR
 }
 
 absl::StatusOr<std::vector<v1::ScanResult>> ScanStreamSession::TakeResults(int max_results) {
-  absl::StatusOr<std::vector<v1::ScanResult>> results =
-      environment_.traverses->Results(name_, next_result_, max_results);
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(name_);
+  if (!traverse.ok()) return traverse.status();
+  absl::StatusOr<std::vector<v1::ScanResult>> results = (*traverse)->Results(next_result_, max_results);
   if (results.ok() && !results->empty()) next_result_ = results->back().sequence_number() + 1;
   return results;
 }

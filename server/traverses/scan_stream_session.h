@@ -82,7 +82,7 @@ class ScanStreamSession {
   std::optional<StreamedScan> scan_;
   std::unique_ptr<UploadSession> upload_;  // of scan_, until it is complete
   // Last, so that nothing wakes us when the rest is gone.
-  std::unique_ptr<Traverses::Subscription> subscription_;
+  std::unique_ptr<Subscription> subscription_;
 };
 
 }  // namespace curvereg::server
