@@ -54,15 +54,11 @@ CalledServices::CalledServices() : folder_(NewFolder()) {
   LimitsConfig limits = FuzzLimits();
   limits.max_threads_per_registration = 1;
   store_ = Need(ScanStore::Open(folder_.string(), {}));
-  const TraverseEnvironment environment = {.limits = limits,
-                                           .store = store_.get(),
-                                           .memory = &memory_,
-                                           .cache = &cache_,
-                                           .pool = &pool_,
-                                           .disk_pool = &disk_pool_,
-                                           .metrics = &metrics_};
-  traverses_ = Need(Traverses::Open(folder_.string(), environment));
-  maps_ = Need(MapBuilder::Open(folder_.string(), environment, {.max_stored_bytes = uint64_t{1} << 20}));
+  const ScanSources sources = {
+      .limits = limits, .memory = &memory_, .cache = &cache_, .store = store_.get(), .metrics = &metrics_};
+  traverses_ = Need(Traverses::Open(folder_.string(), {.scans = sources, .pool = &pool_}));
+  maps_ = Need(MapBuilder::Open(folder_.string(), {.limits = limits, .store = store_.get(), .memory = &memory_},
+                                {.max_stored_bytes = uint64_t{1} << 20}));
   CallEnvironment calls;
   calls.access = access_.get();
   calls.metrics = &metrics_;
@@ -74,8 +70,8 @@ CalledServices::CalledServices() : folder_(NewFolder()) {
   scans.store = store_.get();
   scans.delete_scan = [this](const std::string& scan_id) { return traverses_->DeleteScan(scan_id); };
   scan_service_ = std::make_unique<ScanService>(scans);
-  traverse_service_ =
-      std::make_unique<TraverseService>(TraverseBackend{calls, environment, traverses_.get(), maps_.get()});
+  traverse_service_ = std::make_unique<TraverseService>(
+      TraverseBackend{calls, sources, &pool_, &disk_pool_, traverses_.get(), maps_.get()});
   grpc::ServerBuilder builder;
   builder.RegisterService(scan_service_.get());
   builder.RegisterService(traverse_service_.get());
@@ -105,7 +101,8 @@ void CalledServices::MakeTraverse() {
   v1::CreateTraverseRequest request;
   request.set_traverse_id(kTraverseId);
   Need(traverses_->Create(request));
-  const StreamTicket ticket = Need(traverses_->BeginStream(kTraverse, std::stop_source(std::nostopstate)));
+  const std::shared_ptr<TrackedTraverse> traverse = Need(traverses_->Find(kTraverse));
+  const StreamTicket ticket = Need(traverse->BeginStream(std::stop_source(std::nostopstate)));
   for (int i = 0; i < kNumScans; ++i) {
     const v1::PointCloud cloud = SmallCloud(i);
     v1::StreamedScanHeader header;
@@ -113,9 +110,9 @@ void CalledServices::MakeTraverse() {
     *header.mutable_header() = cloud.header();
     header.set_payload_bytes(cloud.data().size());
     *header.mutable_payload_digest() = DigestOf(cloud);
-    Need(traverses_->AddScan(ticket, header, Keep(i)));
+    Need(traverse->AddScan(ticket, header, Keep(i)));
   }
-  while (Need(traverses_->Get(kTraverse)).registered_scan_count() < uint64_t{kNumScans}) {
+  while (traverse->Description().registered_scan_count() < uint64_t{kNumScans}) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }

@@ -71,10 +71,10 @@ class MemoryScanStore final : public ScanStore {
     return ScanPage();
   }
   absl::Status DeleteScan(const std::string&) override { return NoScan(); }
-  absl::Status WithSpareSpace(const std::function<absl::Status()>& work) override { return work(); }
+  absl::Status WithReservedSpace(const std::function<absl::Status()>& work) override { return work(); }
   StoreStatistics Statistics() override { return {}; }
   std::vector<std::string> DamagedScans() override { return {}; }
-  StoreFindings Findings() override { return {}; }
+  RecoveryReport Recovery() override { return {}; }
 
  private:
   static absl::Status NoScan() { return wire::MakeError(v1::ERROR_REASON_SCAN_NOT_FOUND, "none"); }

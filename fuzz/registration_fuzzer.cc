@@ -14,7 +14,7 @@
 #include "fuzz/request_checks.h"
 #include "server/operations/metrics.h"
 #include "server/preparation/prepared_scan_cache.h"
-#include "server/preparation/scan_side.h"
+#include "server/preparation/registration_input.h"
 #include "server/registration/registration_service.h"
 #include "wire/error.h"
 #include "wire/options_conversion.h"
@@ -26,12 +26,8 @@ void CheckInput(const v1::ScanInput& input, const std::string& field) {
   MemoryScanStore store;
   static Metrics metrics;  // dear to make
   PreparedScanCache cache(uint64_t{1} << 20);
-  RegistrationBackend backend;
-  backend.calls.metrics = &metrics;
-  backend.limits = FuzzLimits();
-  backend.cache = &cache;
-  backend.store = &store;
-  const absl::StatusOr<ScanSide> side = ScanSide::Find(input, field, backend);
+  const ScanSources sources = {.limits = FuzzLimits(), .cache = &cache, .store = &store, .metrics = &metrics};
+  const absl::StatusOr<RegistrationInput> side = RegistrationInput::Find(input, field, sources);
   CheckError(side.status());
   if (const auto bad_request = wire::BadRequestOf(side.status()); bad_request.has_value()) {
     Require(bad_request->field_violations(0).field().rfind(field, 0) == 0);

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/register_scans.h"
 #include "program/program_arguments.h"
+#include "server/settings/setting_values.h"
 #include "server/settings/settings.h"
 
 namespace curvereg::server {

@@ -31,6 +31,7 @@
 #include "server/scheduling/worker_pool.h"
 #include "server/server_gauges.h"
 #include "server/settings/resolved_limits.h"
+#include "server/store/recovery_log.h"
 #include "server/store/scan_store.h"
 #include "server/traverses/traverse_service.h"
 #include "server/traverses/traverses.h"
@@ -49,11 +50,11 @@ constexpr uint64_t kLeastQuotaBytes = uint64_t{256} << 20;  // of gRPC's own buf
 constexpr std::chrono::minutes kExpiryInterval{10};         // between looks for abandoned uploads
 constexpr std::chrono::milliseconds kEndingMargin{500};     // of the grace time, for calls to end that are stopped
 constexpr std::chrono::milliseconds kDrainPoll{5};          // between looks whether calls are open
-constexpr std::chrono::milliseconds kGoodbye{100};          // for the last answers to leave
+constexpr std::chrono::milliseconds kFlushTime{100};        // for the last answers to leave
 
-class WholeServer final : public Server {
+class ServerImpl final : public Server {
  public:
-  explicit WholeServer(const ServerConfig& config)
+  explicit ServerImpl(const ServerConfig& config)
       : config_(config),
         limits_(ResolveLimits(config.limits)),
         memory_(limits_.memory_bytes),
@@ -63,7 +64,7 @@ class WholeServer final : public Server {
                .max_queue_per_client = limits_.max_queue_per_client}),
         disk_pool_(
             {.num_workers = kDiskWorkers, .max_queue_length = kMaxDiskTasks, .max_queue_per_client = kMaxDiskTasks}) {}
-  ~WholeServer() override { Shutdown(std::chrono::milliseconds(0)); }
+  ~ServerImpl() override { Shutdown(std::chrono::milliseconds(0)); }
 
   absl::Status Open();
   absl::Status OpenInProcess();
@@ -82,7 +83,7 @@ class WholeServer final : public Server {
   void ExpireUploads(const std::stop_token& stop);
   void AwaitCalls(std::chrono::steady_clock::time_point until) const;
   CallEnvironment Calls();
-  TraverseEnvironment ForTraverses();
+  ScanSources Scans();
 
   const ServerConfig config_;
   const LimitsConfig limits_;
@@ -111,7 +112,7 @@ class WholeServer final : public Server {
   std::once_flag shut_down_;
 };
 
-CallEnvironment WholeServer::Calls() {
+CallEnvironment ServerImpl::Calls() {
   return {.access = access_.get(),
           .metrics = &metrics_,
           .logger = logger_.get(),
@@ -120,18 +121,11 @@ CallEnvironment WholeServer::Calls() {
           .ending = ending_.get_token()};
 }
 
-TraverseEnvironment WholeServer::ForTraverses() {
-  return {.limits = limits_,
-          .store = store_.get(),
-          .memory = &memory_,
-          .cache = &cache_,
-          .pool = &pool_,
-          .disk_pool = &disk_pool_,
-          .metrics = &metrics_,
-          .logger = logger_.get()};
+ScanSources ServerImpl::Scans() {
+  return {.limits = limits_, .memory = &memory_, .cache = &cache_, .store = store_.get(), .metrics = &metrics_};
 }
 
-absl::Status WholeServer::Open() {
+absl::Status ServerImpl::Open() {
   absl::StatusOr<std::unique_ptr<Logger>> logger = Logger::Create(config_.log, stderr);
   if (!logger.ok()) return logger.status();
   logger_ = *std::move(logger);
@@ -157,7 +151,7 @@ absl::Status WholeServer::Open() {
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenInProcess() {
+absl::Status ServerImpl::OpenInProcess() {
   logger_ = Logger::Silent();
   access_ = Access::Open();
   grpc::ServerBuilder builder;
@@ -169,7 +163,7 @@ absl::Status WholeServer::OpenInProcess() {
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenOperationsPort() {
+absl::Status ServerImpl::OpenOperationsPort() {
   AddServerGauges(metrics_, {.pool = &pool_, .memory = &memory_, .cache = &cache_});
   if (config_.ops_listen.empty()) return absl::OkStatus();
   const auto not_ready = [this]() -> std::string { return not_ready_.load(); };
@@ -180,7 +174,7 @@ absl::Status WholeServer::OpenOperationsPort() {
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenStore() {
+absl::Status ServerImpl::OpenStore() {
   absl::StatusOr<std::unique_ptr<ScanStore>> store =
       ScanStore::Open(config_.data_dir, {.max_stored_bytes = limits_.max_stored_bytes,
                                          .max_uploads = limits_.max_uploads,
@@ -188,28 +182,17 @@ absl::Status WholeServer::OpenStore() {
   if (!store.ok()) return store.status();
   store_ = *std::move(store);
   AddStoreGauges(metrics_, *store_, limits_.max_stored_bytes, config_.data_dir);
-  for (const std::string& id : store_->DamagedScans()) logger_->Error("damaged_scan", {{"scan", wire::ScanName(id)}});
-  const StoreFindings findings = store_->Findings();
-  if (findings.num_lost_files > 0) {
-    logger_->Error("files_lost", {{"count", static_cast<int64_t>(findings.num_lost_files)},
-                                  {"folder", ScanStore::LostFolder(config_.data_dir)}});
-  }
-  for (const std::string& id : findings.emptied_uploads) {
-    logger_->Error("upload_emptied", {{"upload", wire::UploadName(id)}});
-  }
-  const StoreStatistics statistics = store_->Statistics();
-  logger_->Info("store_opened", {{"data_dir", config_.data_dir},
-                                 {"scans", static_cast<int64_t>(statistics.num_scans)},
-                                 {"uploads", static_cast<int64_t>(statistics.num_uploads)},
-                                 {"bytes", static_cast<int64_t>(statistics.stored_bytes)}});
+  LogRecovery(*store_, config_.data_dir, *logger_);
   return absl::OkStatus();
 }
 
-absl::Status WholeServer::OpenTraverses() {
-  absl::StatusOr<std::unique_ptr<MapBuilder>> maps = MapBuilder::Open(config_.data_dir, ForTraverses());
+absl::Status ServerImpl::OpenTraverses() {
+  absl::StatusOr<std::unique_ptr<MapBuilder>> maps =
+      MapBuilder::Open(config_.data_dir, {.limits = limits_, .store = store_.get(), .memory = &memory_});
   if (!maps.ok()) return maps.status();
   maps_ = *std::move(maps);
-  absl::StatusOr<std::unique_ptr<Traverses>> traverses = Traverses::Open(config_.data_dir, ForTraverses());
+  absl::StatusOr<std::unique_ptr<Traverses>> traverses =
+      Traverses::Open(config_.data_dir, {.scans = Scans(), .pool = &pool_, .logger = logger_.get()});
   if (!traverses.ok()) return traverses.status();
   traverses_ = *std::move(traverses);
   metrics_.SetGauge("curvereg_traverses", "Traverses that are kept",
@@ -217,13 +200,9 @@ absl::Status WholeServer::OpenTraverses() {
   return absl::OkStatus();
 }
 
-void WholeServer::AddServices(grpc::ServerBuilder& builder) {
-  registration_service_ = std::make_unique<RegistrationService>(RegistrationBackend{.calls = Calls(),
-                                                                                    .limits = limits_,
-                                                                                    .pool = &pool_,
-                                                                                    .memory = &memory_,
-                                                                                    .cache = &cache_,
-                                                                                    .store = store_.get()});
+void ServerImpl::AddServices(grpc::ServerBuilder& builder) {
+  registration_service_ =
+      std::make_unique<RegistrationService>(RegistrationBackend{.calls = Calls(), .scans = Scans(), .pool = &pool_});
   builder.RegisterService(registration_service_.get());
   builder.RegisterService(&health_);
   if (store_ == nullptr) return;
@@ -235,12 +214,17 @@ void WholeServer::AddServices(grpc::ServerBuilder& builder) {
                   .store = store_.get(),
                   .delete_scan = [this](const std::string& scan_id) { return traverses_->DeleteScan(scan_id); }});
   builder.RegisterService(scan_service_.get());
-  traverse_service_ = std::make_unique<TraverseService>(TraverseBackend{
-      .calls = Calls(), .traverse_environment = ForTraverses(), .traverses = traverses_.get(), .maps = maps_.get()});
+  if (traverses_ == nullptr) return;
+  traverse_service_ = std::make_unique<TraverseService>(TraverseBackend{.calls = Calls(),
+                                                                        .scans = Scans(),
+                                                                        .pool = &pool_,
+                                                                        .disk_pool = &disk_pool_,
+                                                                        .traverses = traverses_.get(),
+                                                                        .maps = maps_.get()});
   builder.RegisterService(traverse_service_.get());
 }
 
-absl::Status WholeServer::Listen() {
+absl::Status ServerImpl::Listen() {
   const bool has_port = !config_.listen.empty();
   const absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeServerCredentials(config_.tls);
   if (!credentials.ok()) return credentials.status();
@@ -266,14 +250,14 @@ absl::Status WholeServer::Listen() {
   return absl::OkStatus();
 }
 
-std::shared_ptr<grpc::Channel> WholeServer::InProcessChannel() {
+std::shared_ptr<grpc::Channel> ServerImpl::InProcessChannel() {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
   return grpc_server_->InProcessChannel(arguments);
 }
 
-void WholeServer::ExpireUploads(const std::stop_token& stop) {
+void ServerImpl::ExpireUploads(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any wake;
   std::unique_lock lock(mutex);
@@ -289,11 +273,11 @@ void WholeServer::ExpireUploads(const std::stop_token& stop) {
 }
 
 // Until none is open.
-void WholeServer::AwaitCalls(std::chrono::steady_clock::time_point until) const {
+void ServerImpl::AwaitCalls(std::chrono::steady_clock::time_point until) const {
   while (num_open_calls_ > 0 && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kDrainPoll);
 }
 
-void WholeServer::Shutdown(std::chrono::milliseconds grace) {
+void ServerImpl::Shutdown(std::chrono::milliseconds grace) {
   std::call_once(shut_down_, [&] {
     const auto deadline = std::chrono::steady_clock::now() + grace;
     not_ready_ = "draining";
@@ -304,10 +288,10 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
     AwaitCalls(deadline - kEndingMargin);
     // Reaches the core's loops. Each call ends with an error of ours, while there is still a connection for it.
     ending_.request_stop();
-    AwaitCalls(deadline - kGoodbye);
+    AwaitCalls(deadline - kFlushTime);
     // What is left, of clients that do not read, gRPC cancels. It would wait for idle connections as well, whose
     // clients may take seconds to notice.
-    if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
+    if (grpc_server_ != nullptr) grpc_server_->Shutdown(std::chrono::system_clock::now() + kFlushTime);
     if (traverses_ != nullptr) traverses_->Close();
     pool_.Shutdown(std::chrono::steady_clock::now());
     disk_pool_.Shutdown(std::chrono::steady_clock::now());
@@ -320,7 +304,7 @@ void WholeServer::Shutdown(std::chrono::milliseconds grace) {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
-  auto server = std::make_unique<WholeServer>(config);
+  auto server = std::make_unique<ServerImpl>(config);
   if (absl::Status status = server->Open(); !status.ok()) return status;
   return server;
 }
@@ -333,7 +317,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::StartWithoutPort(const ServerCon
   own.ops_listen.clear();
   if (absl::Status status = Validate(own); !status.ok()) return status;
   own.listen.clear();
-  auto server = std::make_unique<WholeServer>(own);
+  auto server = std::make_unique<ServerImpl>(own);
   if (absl::Status status = server->Open(); !status.ok()) return status;
   return server;
 }
@@ -347,7 +331,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::StartInProcess(const ServerConfi
   // What a scan may need at worst is far above what it needs; nobody else is to be kept from starving.
   own.limits.memory_bytes = uint64_t{1} << 50;
   own.limits.cache_bytes = 1;  // scans without a name are not kept
-  auto server = std::make_unique<WholeServer>(own);
+  auto server = std::make_unique<ServerImpl>(own);
   if (absl::Status status = server->OpenInProcess(); !status.ok()) return status;
   return server;
 }

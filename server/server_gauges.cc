@@ -76,8 +76,8 @@ void AddStoreGauges(Metrics& metrics, ScanStore& store, uint64_t max_stored_byte
                    [max_stored_bytes] { return static_cast<double>(max_stored_bytes); });
   metrics.SetGauge("curvereg_store_damaged_scans", "Stored scans found damaged",
                    [scans] { return static_cast<double>(scans->DamagedScans().size()); });
-  metrics.SetGauge("curvereg_store_lost_files", "Files moved to the folder lost because they have no record",
-                   [lost = ScanStore::LostFolder(folder)] { return NumFiles(lost); });
+  metrics.SetGauge("curvereg_store_lost_files", "Files set aside because no record names them",
+                   [orphans = ScanStore::OrphanFolder(folder)] { return NumFiles(orphans); });
   metrics.SetGauge("curvereg_store_disk_free_bytes", "Free bytes of the disk that holds the store",
                    [folder] { return FreeBytes(folder); });
   metrics.SetGauge("curvereg_store_disk_bytes", "Bytes of the disk that holds the store",

@@ -62,7 +62,7 @@ std::string RequestPart(const MapRequest& request, uint64_t version) {
   return absl::StrCat(TraversePart(request.traverse), Name(text + BytesOf(request.cell_m), 32), "-");
 }
 
-std::string FileName(const MapRequest& request, const Traverses::MapSource& source) {
+std::string FileName(const MapRequest& request, const MapSource& source) {
   std::string bytes;
   for (const std::string& id : source.scan_ids) absl::StrAppend(&bytes, id, "\n");
   for (const RigidTransform& T : source.T_segment_scan) {
@@ -79,7 +79,7 @@ struct KeptFile {
 
 class MapBuilderImpl : public MapBuilder {
  public:
-  MapBuilderImpl(std::string folder, const TraverseEnvironment& environment, const Options& options)
+  MapBuilderImpl(std::string folder, const MapEnvironment& environment, const Options& options)
       : folder_(std::move(folder)), environment_(environment), options_(options) {}
 
   absl::Status RemoveUnfinished() const {
@@ -92,13 +92,13 @@ class MapBuilderImpl : public MapBuilder {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<std::shared_ptr<const MapFile>> Build(const MapRequest& asked, const Traverses::MapSource& source,
+  absl::StatusOr<std::shared_ptr<const MapFile>> Build(const MapRequest& asked, const MapSource& source,
                                                        const Stop& stop) override {
     const absl::StatusOr<MapRequest> request = Checked(asked);
     if (!request.ok()) return request.status();
     const std::string name = FileName(*request, source);
     if (absl::Status status = TakeTurn(name, stop); !status.ok()) return status;
-    // Also when a library throws, for want of memory, so that others can build it.
+    // Also when a library throws, for lack of memory, so that others can build it.
     const absl::Cleanup end_of_turn = [&] { GiveUpTurn(name); };
     if (std::shared_ptr<const MapFile> map = OpenAndTouch(name); map != nullptr) return map;
     if (absl::Status status = BuildFile(*request, source, name, stop); !status.ok()) return status;
@@ -152,7 +152,7 @@ class MapBuilderImpl : public MapBuilder {
     return *std::move(map);
   }
 
-  absl::Status BuildFile(const MapRequest& request, const Traverses::MapSource& source, const std::string& name,
+  absl::Status BuildFile(const MapRequest& request, const MapSource& source, const std::string& name,
                          const Stop& stop) const {
     const std::string path = PathOf(name);
     const std::string unfinished = path + ".part";
@@ -168,7 +168,7 @@ class MapBuilderImpl : public MapBuilder {
     return SyncFolder(folder_);
   }
 
-  absl::Status WriteUnfinished(const MapRequest& request, const Traverses::MapSource& source, const std::string& path,
+  absl::Status WriteUnfinished(const MapRequest& request, const MapSource& source, const std::string& path,
                                const Stop& stop) const {
     absl::StatusOr<MapFileWriter> writer = MapFileWriter::Create(path, options_.max_stored_bytes);
     if (!writer.ok()) return writer.status();
@@ -214,7 +214,7 @@ class MapBuilderImpl : public MapBuilder {
   }
 
   const std::string folder_;
-  const TraverseEnvironment environment_;
+  const MapEnvironment environment_;
   const Options options_;
   std::mutex mutex_;
   std::condition_variable_any turn_ended_;
@@ -224,7 +224,7 @@ class MapBuilderImpl : public MapBuilder {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<MapBuilder>> MapBuilder::Open(const std::string& data_dir,
-                                                             const TraverseEnvironment& environment,
+                                                             const MapEnvironment& environment,
                                                              const Options& options) {
   const std::string folder = absl::StrCat(data_dir, "/maps");
   absl::Status status = MakeFolder(folder);

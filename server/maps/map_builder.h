@@ -14,7 +14,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/stop.h"
 #include "curvereg/v1/traverse_service.pb.h"
-#include "server/traverses/traverses.h"
+#include "server/maps/map_source.h"
 
 namespace curvereg::server {
 
@@ -42,13 +42,12 @@ class MapBuilder {
   struct Options {
     uint64_t max_stored_bytes = uint64_t{1} << 30;  // all maps together; a larger one is refused
   };
-  // Creates the folder if need be and removes what an earlier process left unfinished. Of `environment` are used
-  // limits, store and memory. Errors: STORAGE_FULL, STORAGE_FAULT.
+  // Creates the folder if need be and removes what an earlier process left unfinished. Errors: STORAGE_FULL,
+  // STORAGE_FAULT.
   static absl::StatusOr<std::unique_ptr<MapBuilder>> Open(const std::string& data_dir,
-                                                          const TraverseEnvironment& environment,
-                                                          const Options& options);
+                                                          const MapEnvironment& environment, const Options& options);
   static absl::StatusOr<std::unique_ptr<MapBuilder>> Open(const std::string& data_dir,
-                                                          const TraverseEnvironment& environment) {
+                                                          const MapEnvironment& environment) {
     return Open(data_dir, environment, Options());
   }
   virtual ~MapBuilder() = default;
@@ -58,8 +57,7 @@ class MapBuilder {
   // SCAN_NOT_FOUND and others of the store; MEMORY_BUDGET (try again), SCAN_TOO_LARGE (the grid or a scan needs more
   // memory than the server may use), STORAGE_FULL (the map is larger than all maps may be, or the disk is full),
   // STORAGE_FAULT, CANCELLED, DEADLINE_EXCEEDED. An empty source gives an empty map.
-  virtual absl::StatusOr<std::shared_ptr<const MapFile>> Build(const MapRequest& request,
-                                                               const Traverses::MapSource& source,
+  virtual absl::StatusOr<std::shared_ptr<const MapFile>> Build(const MapRequest& request, const MapSource& source,
                                                                const Stop& stop) = 0;
 
   // The newest map that was built for the request over a trajectory of this version, null if none is left: to go on

@@ -13,6 +13,7 @@
 #include "core/base/stop_status.h"
 #include "core/mapping/elevation_map.h"
 #include "core/mapping/point_map.h"
+#include "server/preparation/scan_sources.h"
 #include "wire/error.h"
 #include "wire/point_codec.h"
 
@@ -30,7 +31,7 @@ constexpr uint64_t kOtherBytes = uint64_t{8} << 20;
 
 class StoredScans {
  public:
-  StoredScans(const std::vector<std::string>& ids, const TraverseEnvironment& environment)
+  StoredScans(const std::vector<std::string>& ids, const MapEnvironment& environment)
       : ids_(ids), environment_(environment) {}
 
   // Looks all of them up.
@@ -39,8 +40,8 @@ class StoredScans {
       if (absl::Status status = StopStatus(stop, "the map"); !status.ok()) return status;
       absl::StatusOr<StoredScan> scan = environment_.store->GetScan(id);
       if (!scan.ok()) return scan.status();
-      // It may have come when the limits were wider.
-      absl::Status status = wire::ValidateHeader(scan->header, scan->payload_bytes, Limits());
+      // It may have been stored when the limits were wider.
+      absl::Status status = wire::ValidateHeader(scan->header, scan->payload_bytes, PointLimitsOf(environment_.limits));
       if (!status.ok()) return status;
       max_bytes_ = std::max(max_bytes_, scan->payload_bytes + wire::DecodingBytes(scan->header));
     }
@@ -55,20 +56,14 @@ class StoredScans {
     if (!stored.ok()) return stored.status();
     const absl::StatusOr<std::string> payload = environment_.store->ReadWholePayload(ids_[index]);
     if (!payload.ok()) return payload.status();
-    absl::StatusOr<Scan> scan = wire::DecodeScan(stored->header, *payload, Limits());
+    absl::StatusOr<Scan> scan = wire::DecodeScan(stored->header, *payload, PointLimitsOf(environment_.limits));
     if (!scan.ok()) return scan.status();
     return std::make_shared<const Scan>(*std::move(scan));
   }
 
  private:
-  wire::PointLimits Limits() const {
-    const LimitsConfig& limits = environment_.limits;
-    return {.max_points = limits.max_scan_points,
-            .max_payload_bytes = std::max(limits.max_scan_bytes, limits.max_message_bytes)};
-  }
-
   const std::vector<std::string>& ids_;
-  const TraverseEnvironment& environment_;
+  const MapEnvironment& environment_;
   uint64_t max_bytes_ = 0;
 };
 
@@ -99,8 +94,8 @@ absl::StatusOr<uint64_t> WriteElevation(const MapInput& input, const PointMapOpt
 
 }  // namespace
 
-absl::StatusOr<uint64_t> WriteMap(const MapContents& contents, const Traverses::MapSource& source,
-                                  const TraverseEnvironment& environment, const MapSink& sink, const Stop& stop) {
+absl::StatusOr<uint64_t> WriteMap(const MapContents& contents, const MapSource& source,
+                                  const MapEnvironment& environment, const MapSink& sink, const Stop& stop) {
   StoredScans scans(source.scan_ids, environment);
   absl::Status status = scans.Find(stop);
   if (!status.ok()) return status;

@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/stop.h"
 #include "curvereg/v1/traverse_service.pb.h"
-#include "server/traverses/traverses.h"
+#include "server/maps/map_source.h"
 
 namespace curvereg::server {
 
@@ -23,12 +23,12 @@ struct MapContents {
 };
 
 // Gives the bytes piece by piece and returns the number of points or grid cells. POINTS: packed little-endian float32
-// x y z [m, segment frame]; ELEVATION_ASCII: an ESRI ASCII grid. Of `environment` are used limits, store and memory.
+// x y z [m, segment frame]; ELEVATION_ASCII: an ESRI ASCII grid.
 // Reserves what the largest scan and the cells in work take, before anything is read. Errors as MapBuilder::Build,
 // those of `sink`.
 using MapSink = std::function<absl::Status(std::string_view bytes)>;
-absl::StatusOr<uint64_t> WriteMap(const MapContents& contents, const Traverses::MapSource& source,
-                                  const TraverseEnvironment& environment, const MapSink& sink, const Stop& stop);
+absl::StatusOr<uint64_t> WriteMap(const MapContents& contents, const MapSource& source,
+                                  const MapEnvironment& environment, const MapSink& sink, const Stop& stop);
 
 }  // namespace curvereg::server
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "server/preparation/scan_side.h"
+#include "server/preparation/registration_input.h"
 #include "wire/error.h"
 #include "wire/resource_names.h"
 
@@ -18,20 +18,18 @@ bool IsLasting(const absl::Status& status) {
 }
 
 TraverseScans::~TraverseScans() {
-  for (const std::string& name : used_) backend_.cache->UpdateSize(name);
+  for (const std::string& name : used_) sources_.cache->UpdateSize(name);
 }
 
 absl::StatusOr<std::shared_ptr<const PreparedScan>> TraverseScans::Load(const std::string& scan_id, const Stop& stop) {
-  v1::ScanInput input;
-  input.set_name(wire::ScanName(scan_id));
-  const absl::StatusOr<ScanSide> scan = ScanSide::Find(input, "scan", backend_);
+  const absl::StatusOr<RegistrationInput> scan = RegistrationInput::OfStored(scan_id, "scan", sources_);
   if (!scan.ok()) return scan.status();
-  const absl::StatusOr<MemoryBudget::Reservation> reservation = backend_.memory->Reserve(scan->MemoryBytes());
+  const absl::StatusOr<MemoryBudget::Reservation> reservation = sources_.memory->Reserve(scan->MemoryBytes());
   if (!reservation.ok()) return reservation.status();
   absl::StatusOr<std::shared_ptr<const PreparedScan>> prepared = scan->Prepare(stop);
   if (prepared.ok()) {
     const std::lock_guard lock(mutex_);
-    used_.insert(input.name());
+    used_.insert(wire::ScanName(scan_id));
   }
   return prepared;
 }

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/stop.h"
 #include "core/methods/prepared_scan.h"
-#include "server/registration/registration_service.h"
+#include "server/preparation/scan_sources.h"
 
 namespace curvereg::server {
 
@@ -23,8 +23,8 @@ bool IsLasting(const absl::Status& status);
 // Safe to use from several threads.
 class TraverseScans {
  public:
-  // `backend` outlives it.
-  explicit TraverseScans(const RegistrationBackend& backend) : backend_(backend) {}
+  // `sources` outlives it.
+  explicit TraverseScans(const ScanSources& sources) : sources_(sources) {}
   ~TraverseScans();  // tells the cache how large they have grown
   TraverseScans(const TraverseScans&) = delete;
   TraverseScans& operator=(const TraverseScans&) = delete;
@@ -34,7 +34,7 @@ class TraverseScans {
   absl::StatusOr<std::shared_ptr<const PreparedScan>> Load(const std::string& scan_id, const Stop& stop);
 
  private:
-  const RegistrationBackend& backend_;
+  const ScanSources& sources_;
   std::mutex mutex_;
   std::set<std::string> used_;  // names
 };

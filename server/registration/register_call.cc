@@ -40,7 +40,7 @@ RegisterCall::RegisterCall(const RegistrationBackend& backend, grpc::CallbackSer
 
 absl::StatusOr<uint64_t> RegisterCall::Check() {
   absl::StatusOr<RegistrationOptions> options =
-      wire::FromWire(request_.options(), backend().limits.max_threads_per_registration);
+      wire::FromWire(request_.options(), backend().scans.limits.max_threads_per_registration);
   if (!options.ok()) return wire::WithinField("options", options.status());
   options_ = *std::move(options);
   if (!v1::ResultView_IsValid(request_.view())) return wire::FieldError("view", "not a view that this server knows");
@@ -48,9 +48,9 @@ absl::StatusOr<uint64_t> RegisterCall::Check() {
     return wire::MakeError(v1::ERROR_REASON_METHOD_UNAVAILABLE,
                            absl::StrCat("this build leaves out ", std::string(MethodName(options_.method))));
   }
-  absl::StatusOr<ScanSide> source = ScanSide::Find(request_.source(), "source", backend());
+  absl::StatusOr<RegistrationInput> source = RegistrationInput::Find(request_.source(), "source", backend().scans);
   if (!source.ok()) return source.status();
-  absl::StatusOr<ScanSide> target = ScanSide::Find(request_.target(), "target", backend());
+  absl::StatusOr<RegistrationInput> target = RegistrationInput::Find(request_.target(), "target", backend().scans);
   if (!target.ok()) return target.status();
   source_ = *std::move(source);
   target_ = *std::move(target);
@@ -64,7 +64,7 @@ absl::Status RegisterCall::Compute(const Stop& stop) {
   options_.deadline = StopOf(options_, now).deadline;  // decoding and preparing count in the time budget, too
   const absl::StatusOr<RegistrationResult> result = Register();
   if (!result.ok()) return result.status();
-  backend().calls.metrics->Registered(*result);
+  backend().scans.metrics->Registered(*result);
   if (request_.view() == v1::RESULT_VIEW_SUMMARY) {
     *response_.mutable_summary() = wire::ToSummary(*result);
   } else {

@@ -10,7 +10,7 @@
 
 #include "core/methods/registration_options.h"
 #include "core/methods/registration_result.h"
-#include "server/preparation/scan_side.h"
+#include "server/preparation/registration_input.h"
 #include "server/registration/registration_service.h"
 #include "server/rpc/computing_call.h"
 
@@ -43,8 +43,8 @@ class RegisterCall final : public ComputingCall {
   const v1::RegisterScansRequest& request_;
   v1::RegisterScansResponse& response_;
   RegistrationOptions options_;
-  std::optional<ScanSide> source_;
-  std::optional<ScanSide> target_;
+  std::optional<RegistrationInput> source_;
+  std::optional<RegistrationInput> target_;
 };
 
 }  // namespace curvereg::server

@@ -17,10 +17,10 @@ v1::ServerLoad LoadOf(const RegistrationBackend& backend) {
   const WorkerPoolStatistics pool = backend.pool->Statistics();
   load.set_registrations_running(static_cast<uint32_t>(pool.num_running));
   load.set_registrations_waiting(static_cast<uint32_t>(pool.num_waiting));
-  load.set_memory_reserved_bytes(backend.memory->reserved_bytes());
-  load.set_cache_bytes(backend.cache->GetStatistics().bytes);
-  if (backend.store == nullptr) return load;
-  const StoreStatistics store = backend.store->Statistics();
+  load.set_memory_reserved_bytes(backend.scans.memory->reserved_bytes());
+  load.set_cache_bytes(backend.scans.cache->GetStatistics().bytes);
+  if (backend.scans.store == nullptr) return load;
+  const StoreStatistics store = backend.scans.store->Statistics();
   load.set_stored_bytes(store.stored_bytes);
   load.set_scans(store.num_scans);
   load.set_uploads(store.num_uploads);
@@ -47,7 +47,7 @@ grpc::ServerUnaryReactor* RegistrationService::ListMethods(grpc::CallbackServerC
   Call call(backend_.calls, kListMethods, *context);
   call.CountReceived();
   if (call.admitted().ok()) {
-    *response = DescribeMethods(backend_.limits);
+    *response = DescribeMethods(backend_.scans.limits);
     *response->mutable_load() = LoadOf(backend_);
     call.CountSent();
   }

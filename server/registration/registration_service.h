@@ -6,24 +6,18 @@
 #define CURVEREG_SERVER_REGISTRATION_REGISTRATION_SERVICE_H_
 
 #include "curvereg/v1/registration_service.grpc.pb.h"
-#include "server/preparation/prepared_scan_cache.h"
+#include "server/preparation/scan_sources.h"
 #include "server/rpc/call.h"
 #include "server/rpc/checked_service.h"
-#include "server/scheduling/memory_budget.h"
 #include "server/scheduling/worker_pool.h"
-#include "server/settings/server_config.h"
-#include "server/store/scan_store.h"
 
 namespace curvereg::server {
 
-// What the service works with. All outlive it; `store` may be null: then no scan has a name.
+// What the service works with. All outlive it.
 struct RegistrationBackend {
   CallEnvironment calls;
-  LimitsConfig limits;  // resolved: no zeros that mean "as the machine has"
+  ScanSources scans;
   WorkerPool* pool = nullptr;
-  MemoryBudget* memory = nullptr;
-  PreparedScanCache* cache = nullptr;
-  ScanStore* store = nullptr;
 };
 
 class RegistrationService final : public CheckedService<v1::RegistrationService::CallbackService> {

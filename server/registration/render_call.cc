@@ -51,7 +51,7 @@ absl::StatusOr<uint64_t> RenderCall::Check() {
   absl::StatusOr<std::set<PictureKind>> kinds = KindsOf(request_);
   if (!kinds.ok()) return kinds.status();
   kinds_ = *std::move(kinds);
-  absl::StatusOr<ScanSide> scan = ScanSide::Find(request_.scan(), "scan", backend());
+  absl::StatusOr<RegistrationInput> scan = RegistrationInput::Find(request_.scan(), "scan", backend().scans);
   if (!scan.ok()) return scan.status();
   scan_ = *std::move(scan);
   return scan_->DecodingBytes() + RenderingBytes(scan_->num_points());
@@ -61,7 +61,8 @@ absl::Status RenderCall::Compute(const Stop& stop) {
   const absl::StatusOr<std::shared_ptr<const Scan>> scan = scan_->Decode();
   if (!scan.ok()) return scan.status();
   if (absl::Status status = ValidateScan(**scan, {}, stop); !status.ok()) return scan_->Named(status);
-  const int num_threads = wire::ThreadsWithin(request_.max_threads(), backend().limits.max_threads_per_registration);
+  const int num_threads =
+      wire::ThreadsWithin(request_.max_threads(), backend().scans.limits.max_threads_per_registration);
   absl::StatusOr<ScanPictures> pictures = absl::UnknownError("not drawn");
   WithThreadLimit(num_threads, [&] { pictures = DrawScan(**scan, kinds_, stop); });
   if (!pictures.ok()) return scan_->Named(pictures.status());

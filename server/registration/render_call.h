@@ -9,7 +9,7 @@
 #include <set>
 
 #include "render/scan_pictures.h"
-#include "server/preparation/scan_side.h"
+#include "server/preparation/registration_input.h"
 #include "server/registration/registration_service.h"
 #include "server/rpc/computing_call.h"
 
@@ -35,7 +35,7 @@ class RenderCall final : public ComputingCall {
   const v1::RenderScanRequest& request_;
   v1::RenderScanResponse& response_;
   std::set<PictureKind> kinds_;
-  std::optional<ScanSide> scan_;
+  std::optional<RegistrationInput> scan_;
 };
 
 }  // namespace curvereg::server

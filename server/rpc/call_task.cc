@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "server/rpc/caught.h"
+#include "server/scheduling/caught.h"
 
 namespace curvereg::server {
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "server/settings/setting_values.h"
 #include "server/settings/settings.h"
 #include "server/settings/small_file.h"
 #include "server/settings/toml_text.h"

@@ -1,21 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-//
-// Text to values and back, for the table of settings.
+#include "server/settings/setting_values.h"
+
 #include <array>
 #include <charconv>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <type_traits>
 #include <variant>
 
-#include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "server/settings/settings.h"
 
 namespace curvereg::server {
 namespace {

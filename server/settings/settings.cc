@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "server/settings/config_sources.h"
+#include "server/settings/setting_values.h"
 
 namespace curvereg::server {
 namespace {

@@ -9,10 +9,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <variant>
 
-#include "absl/status/status.h"
 #include "server/settings/server_config.h"
 
 namespace curvereg::server {
@@ -40,12 +38,6 @@ std::span<const Setting> AllSettings();
 std::string FlagName(const Setting& setting);         // "--limits-max-scan-points"
 std::string EnvironmentName(const Setting& setting);  // "CURVEREG_SERVER_LIMITS_MAX_SCAN_POINTS"
 std::string TomlName(const Setting& setting);         // "limits.max_scan_points"
-
-// Reads `text` as the setting's kind. INVALID_ARGUMENT says what is expected and leaves `config` unchanged.
-absl::Status SetFromText(const Setting& setting, std::string_view text, ServerConfig& config);
-
-// The value as TOML: "a string", true, 42.
-std::string TomlValue(const Setting& setting, const ServerConfig& config);
 
 // All settings as a TOML file with the help as comments; reading it gives the same settings.
 std::string ConfigToml(const ServerConfig& config);

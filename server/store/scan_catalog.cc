@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/store/catalog_schema.h"
+#include "wire/error.h"
 #include "wire/timestamp.h"
 
 namespace curvereg::server {
@@ -95,6 +96,13 @@ absl::StatusOr<std::optional<StoredScan>> ScanCatalog::FindScan(const std::strin
   if (!rows.ok()) return rows.status();
   if (rows->empty()) return std::optional<StoredScan>();
   return std::optional<StoredScan>(std::move(rows->front().scan));
+}
+
+absl::StatusOr<StoredScan> ScanCatalog::GetScan(const std::string& scan_id) {
+  absl::StatusOr<std::optional<StoredScan>> scan = FindScan(scan_id);
+  if (!scan.ok()) return scan.status();
+  if (scan->has_value()) return **std::move(scan);
+  return wire::MakeError(v1::ERROR_REASON_SCAN_NOT_FOUND, absl::StrCat("no scan of the name ", scan_id));
 }
 
 absl::StatusOr<std::vector<CatalogedScan>> ScanCatalog::ListScans(int64_t before_sequence, int max_scans) {

@@ -38,6 +38,7 @@ class ScanCatalog {
   absl::Status AddScan(const StoredScan& scan, const std::string& upload_id);
   absl::Status RemoveScan(const std::string& scan_id);
   absl::StatusOr<std::optional<StoredScan>> FindScan(const std::string& scan_id);
+  absl::StatusOr<StoredScan> GetScan(const std::string& scan_id);  // SCAN_NOT_FOUND
   // In the answers a header that the database cannot give back whole comes as far as it goes: then the id does not fit.
   // The newest of those stored before `before_sequence`, newest first.
   absl::StatusOr<std::vector<CatalogedScan>> ListScans(int64_t before_sequence, int max_scans);

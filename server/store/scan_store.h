@@ -59,11 +59,11 @@ struct StoreStatistics {
   uint64_t stored_bytes = 0;  // payloads and unfinished uploads
 };
 
-// What was amiss when the store was opened, besides damaged scans.
-struct StoreFindings {
-  // Files with bytes that may have been acknowledged, but that no row named: they were moved to LostFolder.
-  uint64_t num_lost_files = 0;
-  std::vector<std::string> emptied_uploads;  // ids of unfinished uploads whose bytes were gone: they go on at 0
+// What was wrong when the store was opened, besides damaged scans.
+struct RecoveryReport {
+  // Files with bytes that may have been acknowledged, but that no row named: they were moved to OrphanFolder.
+  uint64_t num_orphaned_files = 0;
+  std::vector<std::string> emptied_uploads;  // ids of unfinished uploads whose bytes were gone: they continue at 0
 };
 
 struct ScanPage {
@@ -75,15 +75,15 @@ class UploadWriter;
 
 class ScanStore {
  public:
-  // Creates the folder if need be, locks it, and looks the store over: what an interrupted commit or deletion left
-  // behind is removed, other files that no row names are set aside (see Findings), rows whose file is missing or of
+  // Creates the folder if need be, locks it, and recovers the store: what an interrupted commit or deletion left behind
+  // is removed, other files that no row names are set aside (see Recovery), rows whose file is missing or of
   // another size are reported by DamagedScans() and refused on reading. DATA_LOSS: the database itself is damaged,
   // message names it; FAILED_PRECONDITION: another process has the folder, or a newer version made it; others: the
   // folder cannot be used.
   static absl::StatusOr<std::unique_ptr<ScanStore>> Open(const std::string& folder, const ScanStoreOptions& options);
   virtual ~ScanStore() = default;
-  // Where lost files are kept until somebody has looked at them.
-  static std::string LostFolder(const std::string& folder) { return folder + "/lost"; }
+  // Where orphaned files are kept until an operator has looked at them.
+  static std::string OrphanFolder(const std::string& folder) { return folder + "/lost"; }
 
   // Begins or resumes. The writer given out before for this upload is fenced off: its calls fail with WRITER_REPLACED.
   // Coming back counts as progress. INVALID_FIELD "upload" or "payload_bytes" (0), UPLOAD_DIFFERS, TOO_MANY_UPLOADS,
@@ -109,15 +109,15 @@ class ScanStore {
   // For what else is kept on the same disk: runs `work`, a deletion for example, and where the disk is full
   // (RESOURCE_EXHAUSTED) runs it again with the space that is set aside for deletions. One at a time; `work` must not
   // delete scans.
-  virtual absl::Status WithSpareSpace(const std::function<absl::Status()>& work) = 0;
+  virtual absl::Status WithReservedSpace(const std::function<absl::Status()>& work) = 0;
 
   virtual StoreStatistics Statistics() = 0;
   // Ids of scans found damaged at start-up or since.
   virtual std::vector<std::string> DamagedScans() = 0;
-  virtual StoreFindings Findings() = 0;
+  virtual RecoveryReport Recovery() = 0;
 };
 
-// The right to go on with one upload, until another writer of the same upload is begun. Used by one thread at a time.
+// The right to continue one upload, until another writer of the same upload is begun. Used by one thread at a time.
 // Destroying it leaves what is committed. Must not outlive the store.
 class UploadWriter {
  public:

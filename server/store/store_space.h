@@ -39,6 +39,15 @@ class StoreSpace {
     reserved_bytes_ -= reserved;
     uploaded_bytes_ -= uploaded;
   }
+  void AddScan() {
+    const std::lock_guard lock(mutex_);
+    ++num_scans_;
+  }
+  void RemoveScan() {
+    const std::lock_guard lock(mutex_);
+    --num_scans_;
+  }
+  // Scans may share one.
   void AddPayload(uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     payload_bytes_ += bytes;
@@ -46,6 +55,10 @@ class StoreSpace {
   void RemovePayload(uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     payload_bytes_ -= bytes;
+  }
+  uint64_t num_scans() const {
+    const std::lock_guard lock(mutex_);
+    return num_scans_;
   }
   uint64_t StoredBytes() const {
     const std::lock_guard lock(mutex_);
@@ -55,6 +68,7 @@ class StoreSpace {
  private:
   const uint64_t max_bytes_;
   mutable std::mutex mutex_;
+  uint64_t num_scans_ = 0;
   uint64_t payload_bytes_ = 0;
   uint64_t reserved_bytes_ = 0;  // declared by the unfinished uploads
   uint64_t uploaded_bytes_ = 0;  // what came of them

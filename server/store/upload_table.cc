@@ -39,7 +39,7 @@ bool SameUpload(const UploadDescription& a, const UploadDescription& b) {
   return same_digest && a.payload_bytes == b.payload_bytes && CanonicalHeader(a.header) == CanonicalHeader(b.header);
 }
 
-// Of an upload among lost files and marks.
+// Of an upload among orphaned files and removal marks.
 std::string LabelOf(const std::string& upload_id) { return "upload-" + upload_id; }
 
 absl::Status StoreFullError(uint64_t declared_bytes) {

@@ -45,7 +45,7 @@ class UploadTable {
   UploadTable(std::string folder, const ScanStoreOptions& options, ScanCatalog& catalog, const RemovalMarks& removals,
               StoreSpace& space);
 
-  // Moves the file at `path` to where lost files are, under `name`.
+  // Moves the file at `path` to the orphaned files, under `name`.
   using SetAside = std::function<absl::Status(const std::string& path, const std::string& name)>;
   // Takes over what an earlier process left. A file that no row names is removed when it is empty, marked or one of
   // `stored`, the payloads with another name; else it is set aside.

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
+#include "server/store/upload_writer.h"
+
 #include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,7 +11,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/store/scan_identity.h"
-#include "server/store/scan_store_impl.h"
 #include "wire/digest.h"
 #include "wire/error.h"
 
@@ -28,8 +28,9 @@ constexpr uint64_t kReadBytes = uint64_t{1} << 20;
 
 class UploadWriterImpl final : public UploadWriter {
  public:
-  UploadWriterImpl(UploadTable::Grant grant, ScanStoreImpl& store)
-      : store_(store),
+  UploadWriterImpl(UploadTable::Grant grant, UploadTable& uploads, ScanChanges& scans)
+      : uploads_(uploads),
+        scans_(scans),
         upload_(*grant.upload),
         grant_(std::move(grant)),
         committed_offset_(grant_.committed_offset),
@@ -56,7 +57,7 @@ class UploadWriterImpl final : public UploadWriter {
       upload_.digested_bytes = 0;
       return status;
     }
-    store_.uploads().AddProgress(upload_, size);
+    uploads_.AddProgress(upload_, size);
     committed_offset_ = upload_.committed_offset;
     if (committed_offset_ - writeback_offset_ >= kWritebackBytes) {
       grant_.file.StartWriteback(writeback_offset_, committed_offset_ - writeback_offset_);
@@ -92,13 +93,13 @@ class UploadWriterImpl final : public UploadWriter {
     scan.finite_point_count = finite_point_count;
     scan.content_digest = content_digest;
     scan.create_time = std::chrono::system_clock::now();
-    return store_.CommitUpload(upload_, grant_.file, std::move(scan));
+    return scans_.CommitUpload(upload_, grant_.file, std::move(scan));
   }
 
   absl::Status Discard() override {
     const std::lock_guard lock(upload_.mutex);
     if (absl::Status status = CheckGrant(); !status.ok()) return status;
-    store_.uploads().Drop(upload_);
+    uploads_.Drop(upload_);
     return absl::OkStatus();
   }
 
@@ -152,7 +153,8 @@ class UploadWriterImpl final : public UploadWriter {
     return upload_.digester->Digest();
   }
 
-  ScanStoreImpl& store_;
+  UploadTable& uploads_;
+  ScanChanges& scans_;
   Upload& upload_;  // grant_'s
   UploadTable::Grant grant_;
   uint64_t committed_offset_;
@@ -162,8 +164,8 @@ class UploadWriterImpl final : public UploadWriter {
 
 }  // namespace
 
-std::unique_ptr<UploadWriter> MakeUploadWriter(UploadTable::Grant grant, ScanStoreImpl& store) {
-  return std::make_unique<UploadWriterImpl>(std::move(grant), store);
+std::unique_ptr<UploadWriter> MakeUploadWriter(UploadTable::Grant grant, UploadTable& uploads, ScanChanges& scans) {
+  return std::make_unique<UploadWriterImpl>(std::move(grant), uploads, scans);
 }
 
 }  // namespace curvereg::server

@@ -26,6 +26,10 @@ absl::Status TraverseNotFound(const std::string& name) {
   return wire::MakeError(v1::ERROR_REASON_TRAVERSE_NOT_FOUND, absl::StrCat("no traverse of the name ", name));
 }
 
+absl::Status TraverseClosed() {
+  return wire::MakeError(v1::ERROR_REASON_CANCELLED, "the traverse was closed or deleted");
+}
+
 absl::StatusOr<TrackingOptions> FromWire(const v1::TraverseSettings& settings, int max_threads) {
   if (settings.registration().has_prior()) {
     return wire::FieldError("registration.prior", "priors come with the scans of a traverse");

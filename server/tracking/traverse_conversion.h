@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Traverses between the core and the contract. Poses and links are kept as messages, so the core works with what comes
-// out of them again: then a server that was restarted goes on with the same numbers.
+// out of them again: then a restarted server continues with the same numbers.
 #ifndef CURVEREG_SERVER_TRACKING_TRAVERSE_CONVERSION_H_
 #define CURVEREG_SERVER_TRACKING_TRAVERSE_CONVERSION_H_
 
@@ -19,6 +19,7 @@
 namespace curvereg::server {
 
 absl::Status TraverseNotFound(const std::string& name);  // TRAVERSE_NOT_FOUND
+absl::Status TraverseClosed();                           // CANCELLED
 
 // How a traverse of these settings is tracked. INVALID_FIELD, METHOD_UNAVAILABLE; fields within the settings.
 absl::StatusOr<TrackingOptions> FromWire(const v1::TraverseSettings& settings, int max_threads);

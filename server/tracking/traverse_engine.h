@@ -1,114 +1,74 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// One traverse at work: what streams ask of it, and what is computed for it, step by step, on the worker pool. It has
-// at most one task there at a time, so that traverses get their turns one after the other.
+// One traverse at work: its record, the scans that are admitted, the work on them, and what is told of it.
 #ifndef CURVEREG_SERVER_TRACKING_TRAVERSE_ENGINE_H_
 #define CURVEREG_SERVER_TRACKING_TRAVERSE_ENGINE_H_
 
-#include <array>
-#include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <stop_token>
 #include <string>
+#include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/scheduling/delayed_calls.h"
-#include "server/tracking/traverse_store.h"
+#include "server/tracking/scan_admission.h"
+#include "server/tracking/tracked_traverse.h"
+#include "server/tracking/tracking_environment.h"
+#include "server/tracking/traverse_journal.h"
+#include "server/tracking/traverse_scheduler.h"
 #include "server/tracking/traverse_watchers.h"
-#include "server/tracking/traverse_work.h"
-#include "server/traverses/traverses.h"
 
 namespace curvereg::server {
 
-class TraverseEngine : public std::enable_shared_from_this<TraverseEngine> {
+class TraverseEngine final : public TrackedTraverse {
  public:
-  // What engines share. All outlive them.
-  struct Environment {
-    TraverseWork::Environment work;
-    LimitsConfig limits;
-    WorkerPool* pool = nullptr;
-    DelayedCalls* delayed = nullptr;
-  };
-  // As far as the database has it; `early`: sequence numbers acknowledged beyond the next one.
-  TraverseEngine(const Environment& environment, const TraverseRecord& record, std::set<uint64_t> early,
-                 const TrackingOptions& options, std::shared_ptr<TraverseWatchers> watchers);
+  // As the database has it; `environment` outlives it. Nothing is done before Start. INVALID_FIELD,
+  // METHOD_UNAVAILABLE: the settings; errors of the database.
+  static absl::StatusOr<std::shared_ptr<TraverseEngine>> Open(const TrackingEnvironment& environment,
+                                                              const TraverseRecord& record,
+                                                              std::shared_ptr<TraverseWatchers> watchers);
 
-  // Has the next piece of work done, if there is any and none is under way.
-  void Kick();
-  // Cancels what runs and waits for it; nothing can be done after it.
+  // Has what is left from an earlier process done.
+  void Start() { scheduler_->Schedule(); }
+  // Cancels what runs and waits for it; nothing can be done after it, but what is there can be read.
   void Close();
   // Ends the stream under way, if any, with WRITER_REPLACED.
-  void EndStream();
+  void EndStream() { admission_.EndStream(); }
 
-  TraverseRecord record() const;
+  TraverseRecord record() const { return journal_->record(); }
   const std::shared_ptr<TraverseWatchers>& watchers() const { return watchers_; }
 
-  // As those of Traverses.
-  absl::StatusOr<StreamTicket> BeginStream(const std::stop_source& owner);
-  absl::Status CheckScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header, bool* known);
+  v1::Traverse Description() const override { return record().traverse; }
+  absl::StatusOr<StreamTicket> BeginStream(const std::stop_source& owner) override;
+  absl::Status CheckScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header, bool* known) override;
   absl::StatusOr<uint64_t> AddScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header,
-                                   const std::string& scan_id);
+                                   const std::string& scan_id) override;
+  absl::StatusOr<std::vector<v1::WatchTraverseResponse>> Events(uint64_t first_event, int max_events) override;
+  absl::StatusOr<std::vector<v1::ScanResult>> Results(uint64_t first_sequence_number, int max_results) override;
+  std::unique_ptr<Subscription> Subscribe(std::function<void()> wake) override;
+  absl::StatusOr<v1::GetTrajectoryResponse> Trajectory(int page_size, const std::string& page_token) override;
+  absl::StatusOr<SegmentScans> ScansOfSegment(uint32_t segment) override;
   void Optimize(const v1::OptimizeTraverseRequest& request, const std::string& client, const Stop& stop,
-                Traverses::OptimizeDone done);
+                OptimizeDone done) override;
 
  private:
-  struct Request;  // of an optimisation
-  enum class Kind { kNone, kOptimize, kTrack, kLookAround, kRevise };
+  // What is known of a traverse beside its record when it is opened.
+  struct Origin {
+    std::set<uint64_t> early;  // sequence numbers acknowledged beyond the next one
+    TrackingOptions options;
+    std::shared_ptr<TraverseWatchers> watchers;
+  };
+  TraverseEngine(const TrackingEnvironment& environment, const TraverseRecord& record, Origin origin);
 
-  // With the mutex held.
-  Kind NextKind() const;
-  absl::Status Check(const StreamTicket& ticket, const v1::StreamedScanHeader& header, bool* known) const;
-  void CountAcknowledged(uint64_t sequence_number, TraverseRecord& record, std::set<uint64_t>& early) const;
-
-  // A task, with `working_` set.
-  void Submit(Kind kind, std::shared_ptr<Request> request);
-  void Run(Kind kind, const std::shared_ptr<Request>& request);
-  void OnRefused(const absl::Status& status, const std::shared_ptr<Request>& request);
-  void EndTask(const absl::Status& status, bool is_refused, Kind kind);
-  void Wait(const absl::Status& status);  // with the mutex held
-  void ForgetLater();                     // with the mutex held
-  absl::StatusOr<MemoryBudget::Reservation> ReserveForRegistration() const;
-  absl::Status Do(Kind kind);
-  absl::Status Track();
-  absl::Status InBackground(Kind kind);
-  absl::StatusOr<v1::OptimizeTraverseResponse> OptimizeNow(const Request& request);
-  // Links that were still to be looked for: an optimisation without them would not be the best.
-  absl::Status LookAroundToTheEnd(const Stop& stop);
-  absl::StatusOr<uint32_t> CloseLoops(const Stop& stop);
-  absl::StatusOr<TraverseRevision> Revise(const Stop& stop);
-  absl::Status Keep(TraverseStep step);
-  void Tell(const TraverseStep& step) const;
-
-  const Environment& environment_;
-  const std::string client_;  // whose turns the work takes
-  const std::string name_;
-  const int num_threads_;
+  const TrackingEnvironment& environment_;
   const std::shared_ptr<TraverseWatchers> watchers_;
-  const std::stop_source closing_;
-
-  mutable std::mutex mutex_;  // held while the database is changed
-  std::condition_variable idle_;
-  TraverseRecord record_;
-  std::set<uint64_t> early_;
-  std::deque<std::shared_ptr<Request>> requests_;
-  std::stop_source owner_{std::nostopstate};
-  std::stop_source background_;  // of what gives way to a new scan
-  bool working_ = false;         // a task is out, or is about to be; work_ is its own
-  bool is_waiting_ = false;      // until a refused or failed task is tried again
-  bool closed_ = false;
-  bool is_to_forget_ = false;  // a call that looks whether to forget what was read is waiting
-  std::chrono::steady_clock::time_point last_work_;
-  bool revision_due_ = false;
-  int num_failures_ = 0;                // in a row
-  std::array<int, 2> num_preempted_{};  // in a row, of looks around and of revisions
-  TraverseWork work_;
+  const std::shared_ptr<TraverseJournal> journal_;
+  ScanAdmission admission_;
+  const std::shared_ptr<TraverseScheduler> scheduler_;
 };
 
 }  // namespace curvereg::server

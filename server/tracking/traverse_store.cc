@@ -187,13 +187,13 @@ absl::StatusOr<bool> TraverseStore::IsScanUsed(const std::string& scan_id) {
   return *found != 0;
 }
 
-absl::StatusOr<std::vector<std::string>> TraverseStore::DoomedScans() {
+absl::StatusOr<std::vector<std::string>> TraverseStore::PendingDeletions() {
   const std::lock_guard lock(reader_mutex_);
   return CollectRows(reader_.Prepare("SELECT scan_id FROM doomed_scans ORDER BY scan_id"),
                      [](const SqlStatement& row) { return row.Bytes(0); });
 }
 
-absl::Status TraverseStore::Spare(const std::string& scan_id) {
+absl::Status TraverseStore::CancelDeletion(const std::string& scan_id) {
   return Change([&] { return Run({"DELETE FROM doomed_scans WHERE scan_id=?1"}, {scan_id}); });
 }
 

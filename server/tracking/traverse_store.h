@@ -76,7 +76,7 @@ class TraverseStore {
   absl::StatusOr<std::vector<TraverseRecord>> Traverses();  // by number
   // Adds it and gives it its number.
   absl::Status AddTraverse(TraverseRecord& record);
-  // The scans that nothing else uses then are doomed.
+  // The scans that nothing else uses then are to be deleted, too: see PendingDeletions.
   absl::Status RemoveTraverse(int64_t number);
   // Gives the record a new fencing number, greater than any before.
   absl::Status Fence(TraverseRecord& record);
@@ -86,9 +86,9 @@ class TraverseStore {
   // From `first` on, by sequence number, at most `max_scans`.
   absl::StatusOr<std::vector<AcknowledgedScan>> Scans(int64_t number, uint64_t first, int64_t max_scans);
   absl::StatusOr<bool> IsScanUsed(const std::string& scan_id);
-  // Scans of removed traverses that nothing used then, to be removed from the store of scans; until Spare.
-  absl::StatusOr<std::vector<std::string>> DoomedScans();
-  absl::Status Spare(const std::string& scan_id);
+  // Scans of removed traverses that nothing used then, to be deleted from the store of scans; until CancelDeletion.
+  absl::StatusOr<std::vector<std::string>> PendingDeletions();
+  absl::Status CancelDeletion(const std::string& scan_id);
 
   // `record` as it is after the step.
   absl::Status AddStep(const TraverseRecord& record, const TraverseStep& step);

@@ -6,7 +6,7 @@
 
 namespace curvereg::server {
 
-class TraverseWatchers::Watcher final : public Traverses::Subscription {
+class TraverseWatchers::Watcher final : public Subscription {
  public:
   Watcher(std::shared_ptr<TraverseWatchers> watchers, uint64_t number)
       : watchers_(std::move(watchers)), number_(number) {}
@@ -20,7 +20,7 @@ class TraverseWatchers::Watcher final : public Traverses::Subscription {
   const uint64_t number_;
 };
 
-std::unique_ptr<Traverses::Subscription> TraverseWatchers::Add(std::function<void()> wake) {
+std::unique_ptr<Subscription> TraverseWatchers::Add(std::function<void()> wake) {
   const std::lock_guard lock(mutex_);
   wakes_.emplace(next_, std::move(wake));
   return std::make_unique<Watcher>(shared_from_this(), next_++);

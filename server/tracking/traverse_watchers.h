@@ -11,14 +11,14 @@
 #include <memory>
 #include <mutex>
 
-#include "server/traverses/traverses.h"
+#include "server/tracking/traverse_types.h"
 
 namespace curvereg::server {
 
 // Outlives the traverse while somebody watches it. Safe to use from several threads.
 class TraverseWatchers : public std::enable_shared_from_this<TraverseWatchers> {
  public:
-  std::unique_ptr<Traverses::Subscription> Add(std::function<void()> wake);
+  std::unique_ptr<Subscription> Add(std::function<void()> wake);
   void Wake();
 
  private:

@@ -20,7 +20,7 @@ constexpr uint64_t kScansPerRevision = 5;
 constexpr uint64_t kRevisionShare = 50;  // a revision costs more the longer the traverse: then they are rarer
 constexpr int kPosesPerEvent = 2000;     // an event fits into a message of 4 MB, gRPC's default limit
 
-// Of ours or of the disk, as opposed to want of memory and cancellation.
+// A fault of the server or of the disk, as opposed to lack of memory and cancellation.
 bool IsFault(const absl::Status& status) { return absl::IsInternal(status) || absl::IsUnavailable(status); }
 
 std::vector<v1::WatchTraverseResponse> EventsOf(const TraverseRevision& revision,
@@ -153,7 +153,7 @@ TraverseStep TraverseWork::AddTracked(TrackedScan tracked, const AcknowledgedSca
 std::vector<StoredLink> TraverseWork::KeepLinks(std::vector<TraverseLink>& links) const {
   std::vector<StoredLink> stored;
   for (TraverseLink& link : links) {
-    environment_.scans.calls.metrics->Registered(link.result);
+    environment_.scans.metrics->Registered(link.result);
     stored.push_back(ToStored(link));
     if (absl::StatusOr<TraverseLink> kept = FromStored(stored.back()); kept.ok()) link = *std::move(kept);
   }

@@ -13,22 +13,16 @@
 #include "absl/status/statusor.h"
 #include "core/base/stop.h"
 #include "core/mapping/tracking.h"
-#include "server/operations/logging.h"
 #include "server/preparation/traverse_scans.h"
-#include "server/registration/registration_service.h"
+#include "server/tracking/tracking_environment.h"
 #include "server/tracking/traverse_store.h"
 
 namespace curvereg::server {
 
 class TraverseWork {
  public:
-  struct Environment {
-    RegistrationBackend scans;  // without a pool
-    TraverseStore* store = nullptr;
-    Logger* logger = nullptr;
-  };
   // `environment` outlives it.
-  TraverseWork(const Environment& environment, TrackingOptions options)
+  TraverseWork(const TrackingEnvironment& environment, TrackingOptions options)
       : environment_(environment), options_(std::move(options)) {}
 
   // Reads the traverse unless it is there. Errors of the store.
@@ -68,7 +62,7 @@ class TraverseWork {
   TraverseStep AddLinks(const std::vector<TraverseLink>& links);
   std::vector<StoredLink> KeepLinks(std::vector<TraverseLink>& links) const;
 
-  const Environment& environment_;
+  const TrackingEnvironment& environment_;
   const TrackingOptions options_;
   int64_t number_ = 0;
   std::string name_;

@@ -45,20 +45,18 @@ absl::StatusOr<MapStream::Next> MapStream::FindMap(std::deque<v1::DownloadMapRes
   if (request_.offset() > 0 && !request_.has_version()) {
     return wire::FieldError("version", "is required with an offset above 0");
   }
-  if (request_.has_version()) {
-    // A segment may be gone in the newest version, so this is all that can be asked.
-    const absl::StatusOr<v1::Traverse> traverse = environment_.traverses->Get(request_.name());
-    if (!traverse.ok()) return traverse.status();
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(request_.name());
+  if (!traverse.ok()) return traverse.status();
+  if (request_.has_version()) {  // a segment may have ended in the newest version
     std::shared_ptr<const MapFile> map = environment_.maps->FindBuilt(map_request_, request_.version());
     if (map != nullptr) return Announce(std::move(map), made);
   }
-  absl::StatusOr<Traverses::MapSource> source =
-      environment_.traverses->SourceOfMap(request_.name(), request_.segment());
-  if (!source.ok()) return source.status();
-  if (request_.has_version() && request_.version() != source->version) {
-    return GoneError(absl::StrCat("there is no map of that version any more; the newest is ", source->version));
+  absl::StatusOr<SegmentScans> scans = (*traverse)->ScansOfSegment(request_.segment());
+  if (!scans.ok()) return scans.status();
+  if (request_.has_version() && request_.version() != scans->version) {
+    return GoneError(absl::StrCat("there is no map of that version any more; the newest is ", scans->version));
   }
-  source_ = *std::move(source);
+  source_ = MapSource{scans->version, std::move(scans->scan_ids), std::move(scans->T_segment_scan)};
   return Next::kMore;
 }
 

@@ -52,7 +52,7 @@ class MapStream final : public ResponseStream<v1::DownloadMapResponse> {
   const Environment& environment_;
   const v1::DownloadMapRequest& request_;
   const MapRequest map_request_;
-  std::optional<Traverses::MapSource> source_;  // the map is to be built from it
+  std::optional<MapSource> source_;  // the map is to be built from it
   std::shared_ptr<const MapFile> map_;
   uint64_t offset_ = 0;  // of the next chunk
 };

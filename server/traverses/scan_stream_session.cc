@@ -58,10 +58,11 @@ ScanStreamSession::Answer ScanStreamSession::Handle(Request& request) {
 }
 
 ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& start) {
-  const absl::Status named = wire::TraverseIdOf(start.traverse(), "start.traverse").status();
-  if (!named.ok()) return named;
-  Traverses& traverses = *environment_.traverses;
-  absl::StatusOr<StreamTicket> ticket = traverses.BeginStream(start.traverse(), stream_.replaced);
+  if (const absl::Status named = wire::TraverseIdOf(start.traverse(), "start.traverse").status(); !named.ok())
+    return named;
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(start.traverse());
+  if (!traverse.ok()) return traverse.status();
+  absl::StatusOr<StreamTicket> ticket = (*traverse)->BeginStream(stream_.replaced);
   if (!ticket.ok()) return ticket.status();
   if (start.has_last_result_sequence_number()) {
     const uint64_t last = start.last_result_sequence_number();
@@ -71,10 +72,7 @@ ScanStreamSession::Answer ScanStreamSession::Start(const v1::StreamScansStart& s
     next_result_ = last + 1;
   }
   // Before the first look at results, so that none is missed.
-  absl::StatusOr<std::unique_ptr<Traverses::Subscription>> subscription =
-      traverses.Subscribe(start.traverse(), stream_.wake);
-  if (!subscription.ok()) return subscription.status();
-  subscription_ = *std::move(subscription);
+  subscription_ = (*traverse)->Subscribe(stream_.wake);
   name_ = start.traverse();
   ticket_ = *std::move(ticket);
   next_sequence_number_ = ticket_->next_sequence_number;
@@ -96,8 +94,10 @@ ScanStreamSession::Answer ScanStreamSession::Announce(v1::StreamedScanHeader& he
   if (absl::Status valid = ValidateScanHeader(header, environment_.uploads.limits); !valid.ok()) {
     return wire::WithinField("header", std::move(valid));
   }
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(name_);
+  if (!traverse.ok()) return traverse.status();
   bool known = false;
-  if (absl::Status status = environment_.traverses->CheckScan(*ticket_, header, &known); !status.ok()) return status;
+  if (const absl::Status status = (*traverse)->CheckScan(*ticket_, header, &known); !status.ok()) return status;
   scan_ = AnnouncedScan{.header = std::move(header)};  // clang 14 takes no emplace()
   intake_.emplace(environment_.uploads, stream_.replaced);
   // The store knows payloads by XXH3_128 alone; with another digest the transfer is needed to identify the scan.
@@ -151,7 +151,9 @@ ScanStreamSession::Answer ScanStreamSession::Progress() {
 }
 
 ScanStreamSession::Answer ScanStreamSession::AddToTraverse(const std::string& scan_id) {
-  const absl::StatusOr<uint64_t> next = environment_.traverses->AddScan(*ticket_, scan_->header, scan_id);
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(name_);
+  if (!traverse.ok()) return traverse.status();
+  const absl::StatusOr<uint64_t> next = (*traverse)->AddScan(*ticket_, scan_->header, scan_id);
   if (!next.ok()) return next.status();
   next_sequence_number_ = *next;
   scan_->is_complete = true;
@@ -176,8 +178,9 @@ absl::Status ScanStreamSession::TakeNotifications(std::vector<Response>& notific
 }
 
 absl::StatusOr<std::vector<v1::ScanResult>> ScanStreamSession::TakeResults(int max_results) {
-  absl::StatusOr<std::vector<v1::ScanResult>> results =
-      environment_.traverses->Results(name_, next_result_, max_results);
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(name_);
+  if (!traverse.ok()) return traverse.status();
+  absl::StatusOr<std::vector<v1::ScanResult>> results = (*traverse)->Results(next_result_, max_results);
   if (results.ok() && !results->empty()) next_result_ = results->back().sequence_number() + 1;
   return results;
 }

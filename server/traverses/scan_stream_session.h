@@ -89,7 +89,7 @@ class ScanStreamSession {
   std::optional<AnnouncedScan> scan_;
   std::optional<ScanIntake> intake_;  // of scan_
   // Last: it is destroyed first, so that `wake` is not called while the rest is destroyed.
-  std::unique_ptr<Traverses::Subscription> subscription_;
+  std::unique_ptr<Subscription> subscription_;
 };
 
 }  // namespace curvereg::server

@@ -40,10 +40,15 @@ class OptimizeCall final : public grpc::ServerUnaryReactor {
       End(call_.admitted());
       return reactor;
     }
-    traverses.Optimize(request, call_.client(), call_.stop(),
-                       [this, &response](absl::StatusOr<v1::OptimizeTraverseResponse> answer) {
-                         End(Fill(std::move(answer), response));
-                       });
+    const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = traverses.Find(request.name());
+    if (!traverse.ok()) {
+      End(traverse.status());
+      return reactor;
+    }
+    (*traverse)->Optimize(request, call_.client(), call_.stop(),
+                          [this, &response](absl::StatusOr<v1::OptimizeTraverseResponse> answer) {
+                            End(Fill(std::move(answer), response));
+                          });
     return reactor;
   }
 
@@ -65,14 +70,14 @@ class OptimizeCall final : public grpc::ServerUnaryReactor {
 
 TraverseService::TraverseService(const TraverseBackend& backend)
     : backend_(backend),
-      scan_streams_{backend.calls,
-                    {{backend.traverse_environment.limits, backend.traverse_environment.memory,
-                      backend.traverse_environment.store, backend.calls.metrics, &upload_owners_},
-                     backend.traverses},
-                    backend.traverse_environment.disk_pool},
-      watch_streams_{backend.calls, backend.traverses, backend.traverse_environment.disk_pool},
-      map_streams_{backend.calls, backend.traverse_environment.limits, backend.traverses,
-                   backend.maps,  backend.traverse_environment.pool,   backend.traverse_environment.disk_pool} {
+      scan_streams_{
+          backend.calls,
+          {{backend.scans.limits, backend.scans.memory, backend.scans.store, backend.calls.metrics, &upload_owners_},
+           backend.traverses},
+          backend.disk_pool},
+      watch_streams_{backend.calls, backend.traverses, backend.disk_pool},
+      map_streams_{backend.calls, backend.scans.limits, backend.traverses,
+                   backend.maps,  backend.pool,         backend.disk_pool} {
   Check(backend.calls, kCreateTraverse, &TraverseService::CreateTraverse);
   Check(backend.calls, kGetTraverse, &TraverseService::GetTraverse);
   Check(backend.calls, kListTraverses, &TraverseService::ListTraverses);
@@ -84,7 +89,7 @@ TraverseService::TraverseService(const TraverseBackend& backend)
 }
 
 UnaryDiskCall* TraverseService::NewCall(const MethodTraits& traits, grpc::CallbackServerContext& context) const {
-  return new UnaryDiskCall(*backend_.traverse_environment.disk_pool, backend_.calls, traits, context);
+  return new UnaryDiskCall(*backend_.disk_pool, backend_.calls, traits, context);
 }
 
 grpc::ServerUnaryReactor* TraverseService::CreateTraverse(grpc::CallbackServerContext* context,
@@ -104,7 +109,9 @@ grpc::ServerUnaryReactor* TraverseService::GetTraverse(grpc::CallbackServerConte
                                                        const v1::GetTraverseRequest* request,
                                                        v1::GetTraverseResponse* response) {
   return NewCall(kGetTraverse, *context)->Start([this, request, response] {
-    return Fill(backend_.traverses->Get(request->name()), *response->mutable_traverse());
+    const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = backend_.traverses->Find(request->name());
+    if (traverse.ok()) *response->mutable_traverse() = (*traverse)->Description();
+    return traverse.status();
   });
 }
 
@@ -120,7 +127,9 @@ grpc::ServerUnaryReactor* TraverseService::GetTrajectory(grpc::CallbackServerCon
                                                          const v1::GetTrajectoryRequest* request,
                                                          v1::GetTrajectoryResponse* response) {
   return NewCall(kGetTrajectory, *context)->Start([this, request, response] {
-    return Fill(backend_.traverses->GetTrajectory(*request), *response);
+    const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = backend_.traverses->Find(request->name());
+    if (!traverse.ok()) return traverse.status();
+    return Fill((*traverse)->Trajectory(request->page_size(), request->page_token()), *response);
   });
 }
 

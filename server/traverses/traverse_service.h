@@ -8,11 +8,13 @@
 
 #include "curvereg/v1/traverse_service.grpc.pb.h"
 #include "server/maps/map_builder.h"
+#include "server/preparation/scan_sources.h"
 #include "server/rpc/call.h"
 #include "server/rpc/checked_service.h"
 #include "server/rpc/chunk_stream.h"
 #include "server/rpc/unary_disk_call.h"
 #include "server/scans/upload_owners.h"
+#include "server/scheduling/worker_pool.h"
 #include "server/traverses/map_stream.h"
 #include "server/traverses/scan_stream_session.h"
 #include "server/traverses/traverses.h"
@@ -23,7 +25,9 @@ namespace curvereg::server {
 // What the service works with. All outlive it.
 struct TraverseBackend {
   CallEnvironment calls;
-  TraverseEnvironment traverse_environment;
+  ScanSources scans;
+  WorkerPool* pool = nullptr;       // registrations and maps
+  WorkerPool* disk_pool = nullptr;  // reading and decoding
   Traverses* traverses = nullptr;
   MapBuilder* maps = nullptr;
 };

@@ -9,21 +9,20 @@
 #include <limits>
 #include <map>
 #include <mutex>
-#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/preparation/scan_deletion.h"
 #include "server/scheduling/delayed_calls.h"
 #include "server/store/page_token.h"
+#include "server/tracking/scan_uses.h"
 #include "server/tracking/traverse_conversion.h"
 #include "server/tracking/traverse_engine.h"
 #include "server/tracking/traverse_store.h"
+#include "server/tracking/traverse_watchers.h"
 #include "server/traverses/streamed_upload.h"
 #include "wire/error.h"
 #include "wire/resource_names.h"
 #include "wire/timestamp.h"
-#include "wire/trajectory_conversion.h"
 
 namespace curvereg::server {
 namespace {
@@ -35,75 +34,52 @@ using EnginePointer = std::shared_ptr<TraverseEngine>;
 class TraversesImpl final : public Traverses {
  public:
   TraversesImpl(const TraverseEnvironment& environment, std::unique_ptr<TraverseStore> store);
-  ~TraversesImpl() override;
+  ~TraversesImpl() override { Close(); }
   absl::Status Load();
   void Close() override;
 
   absl::StatusOr<v1::Traverse> Create(const v1::CreateTraverseRequest& request) override;
-  absl::StatusOr<v1::Traverse> Get(const std::string& name) override;
+  absl::StatusOr<std::shared_ptr<TrackedTraverse>> Find(const std::string& name) override { return FindEngine(name); }
   absl::StatusOr<v1::ListTraversesResponse> List(const v1::ListTraversesRequest& request) override;
-  absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const v1::GetTrajectoryRequest& request) override;
   absl::Status Delete(const std::string& name) override;
-  absl::StatusOr<StreamTicket> BeginStream(const std::string& name, const std::stop_source& owner) override;
-  absl::Status CheckScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header, bool* known) override;
-  absl::StatusOr<uint64_t> AddScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header,
-                                   const std::string& scan_id) override;
-  absl::StatusOr<std::vector<v1::WatchTraverseResponse>> Events(const std::string& name, uint64_t first_event,
-                                                                int max_events) override;
-  absl::StatusOr<std::vector<v1::ScanResult>> Results(const std::string& name, uint64_t first_sequence_number,
-                                                      int max_results) override;
-  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& name, std::function<void()> wake) override;
-  void Optimize(const v1::OptimizeTraverseRequest& request, const std::string& client, const Stop& stop,
-                OptimizeDone done) override;
-  absl::StatusOr<MapSource> SourceOfMap(const std::string& name, uint32_t segment) override;
-  absl::Status DeleteScan(const std::string& scan_id) override;
+  absl::Status DeleteScan(const std::string& scan_id) override { return uses_.DeleteScan(scan_id); }
   uint64_t num_traverses() override;
 
  private:
-  absl::StatusOr<EnginePointer> Find(const std::string& name);
-  absl::StatusOr<EnginePointer> MakeEngine(const TraverseRecord& record,
-                                           std::shared_ptr<TraverseWatchers> watchers = nullptr);  // new ones
+  absl::StatusOr<EnginePointer> FindEngine(const std::string& name);
+  std::map<std::string, EnginePointer> Engines();
   absl::StatusOr<v1::Traverse> AddTraverse(const v1::CreateTraverseRequest& request, const std::string& name);
   absl::Status RemoveTraverse(const std::string& name);
   void ForgetPartialUploads(const TraverseRecord& record);
-  void RemoveDoomedScans();
-  void RemoveDoomedScan(const std::string& scan_id);
 
-  const TraverseEnvironment environment_;
   const std::unique_ptr<Logger> silent_ = Logger::Silent();
   const std::unique_ptr<TraverseStore> store_;
+  ScanUses uses_;
   DelayedCalls delayed_;
-  const TraverseEngine::Environment engine_environment_;
-  std::mutex lifecycle_mutex_;  // held while a traverse is made or removed; taken first
-  std::mutex uses_mutex_;       // held while a scan becomes part of a traverse, or is removed; taken second
-  std::mutex mutex_;            // guards engines_; nothing else is taken while it is held
+  const TrackingEnvironment environment_;
+  std::mutex lifecycle_mutex_;                    // held while a traverse is made or removed; taken first
+  std::mutex mutex_;                              // guards engines_; nothing else is taken while it is held
   std::map<std::string, EnginePointer> engines_;  // by name
 };
 
 TraversesImpl::TraversesImpl(const TraverseEnvironment& environment, std::unique_ptr<TraverseStore> store)
-    : environment_(environment),
-      store_(std::move(store)),
-      engine_environment_{.work = {.scans = {.calls = {.metrics = environment.metrics, .draining = {}, .ending = {}},
-                                             .limits = environment.limits,
-                                             .memory = environment.memory,
-                                             .cache = environment.cache,
-                                             .store = environment.store},
-                                   .store = store_.get(),
-                                   .logger = environment.logger != nullptr ? environment.logger : silent_.get()},
-                          .limits = environment.limits,
-                          .pool = environment.pool,
-                          .delayed = &delayed_} {}
-
-TraversesImpl::~TraversesImpl() { Close(); }
+    : store_(std::move(store)),
+      uses_(store_.get(), environment.scans.store, environment.scans.cache),
+      environment_{.scans = environment.scans,
+                   .store = store_.get(),
+                   .uses = &uses_,
+                   .pool = environment.pool,
+                   .delayed = &delayed_,
+                   .logger = environment.logger != nullptr ? environment.logger : silent_.get()} {}
 
 void TraversesImpl::Close() {
   const std::lock_guard lifecycle(lifecycle_mutex_);
-  std::map<std::string, EnginePointer> engines;
-  {
-    const std::lock_guard lock(mutex_);
-    engines = engines_;
-  }
-  for (const auto& [name, engine] : engines) engine->Close();
+  for (const auto& [name, engine] : Engines()) engine->Close();
+}
+
+std::map<std::string, EnginePointer> TraversesImpl::Engines() {
+  const std::lock_guard lock(mutex_);
+  return engines_;
 }
 
 absl::Status TraversesImpl::Load() {
@@ -111,35 +87,21 @@ absl::Status TraversesImpl::Load() {
   if (!records.ok()) return records.status();
   int64_t num_waiting = 0;
   for (const TraverseRecord& record : *records) {
-    absl::StatusOr<EnginePointer> engine = MakeEngine(record);
+    absl::StatusOr<EnginePointer> engine =
+        TraverseEngine::Open(environment_, record, std::make_shared<TraverseWatchers>());
     if (!engine.ok()) return engine.status();
     engines_.emplace(record.traverse.name(), *std::move(engine));
     num_waiting +=
         static_cast<int64_t>(record.traverse.next_sequence_number() - record.traverse.registered_scan_count());
   }
-  Logger& logger = *engine_environment_.work.logger;
-  logger.Info("traverses_opened",
-              {{"traverses", static_cast<int64_t>(engines_.size())}, {"waiting_scans", num_waiting}});
-  RemoveDoomedScans();
-  for (const auto& [name, engine] : engines_) engine->Kick();
+  environment_.logger->Info("traverses_opened",
+                            {{"traverses", static_cast<int64_t>(engines_.size())}, {"waiting_scans", num_waiting}});
+  uses_.DeletePending();
+  for (const auto& [name, engine] : engines_) engine->Start();
   return absl::OkStatus();
 }
 
-absl::StatusOr<EnginePointer> TraversesImpl::MakeEngine(const TraverseRecord& record,
-                                                        std::shared_ptr<TraverseWatchers> watchers) {
-  if (watchers == nullptr) watchers = std::make_shared<TraverseWatchers>();
-  const absl::StatusOr<TrackingOptions> options =
-      FromWire(record.traverse.settings(), environment_.limits.max_threads_per_registration);
-  if (!options.ok()) return options.status();
-  const absl::StatusOr<std::vector<AcknowledgedScan>> beyond =
-      store_->Scans(record.number, record.traverse.next_sequence_number(), TraverseStore::kAll);
-  if (!beyond.ok()) return beyond.status();
-  std::set<uint64_t> early;
-  for (const AcknowledgedScan& scan : *beyond) early.insert(scan.header.sequence_number());
-  return std::make_shared<TraverseEngine>(engine_environment_, record, std::move(early), *options, std::move(watchers));
-}
-
-absl::StatusOr<EnginePointer> TraversesImpl::Find(const std::string& name) {
+absl::StatusOr<EnginePointer> TraversesImpl::FindEngine(const std::string& name) {
   const absl::StatusOr<std::string> id = wire::TraverseIdOf(name, "name");
   if (!id.ok()) return id.status();
   const std::lock_guard lock(mutex_);
@@ -151,10 +113,11 @@ absl::StatusOr<EnginePointer> TraversesImpl::Find(const std::string& name) {
 absl::StatusOr<v1::Traverse> TraversesImpl::Create(const v1::CreateTraverseRequest& request) {
   const std::string name = wire::TraverseName(request.traverse_id());
   if (!wire::TraverseIdOf(name, "").ok()) return wire::FieldError("traverse_id", "must be 1 to 64 of a-z, 0-9 and '-'");
-  const absl::Status valid = FromWire(request.settings(), environment_.limits.max_threads_per_registration).status();
+  const absl::Status valid =
+      FromWire(request.settings(), environment_.scans.limits.max_threads_per_registration).status();
   if (!valid.ok()) return wire::WithinField("settings", valid);
   const std::lock_guard lifecycle(lifecycle_mutex_);
-  const absl::StatusOr<EnginePointer> known = Find(name);
+  const absl::StatusOr<EnginePointer> known = FindEngine(name);
   if (!known.ok()) return AddTraverse(request, name);
   const v1::Traverse traverse = (*known)->record().traverse;
   if (google::protobuf::util::MessageDifferencer::Equivalent(traverse.settings(), request.settings())) return traverse;
@@ -163,26 +126,21 @@ absl::StatusOr<v1::Traverse> TraversesImpl::Create(const v1::CreateTraverseReque
 
 absl::StatusOr<v1::Traverse> TraversesImpl::AddTraverse(const v1::CreateTraverseRequest& request,
                                                         const std::string& name) {
-  if (num_traverses() >= static_cast<uint64_t>(environment_.limits.max_traverses)) {
+  if (num_traverses() >= static_cast<uint64_t>(environment_.scans.limits.max_traverses)) {
     return wire::MakeError(v1::ERROR_REASON_TOO_MANY_TRAVERSES, "the server keeps as many traverses as it may",
-                           {{"limit", absl::StrCat(environment_.limits.max_traverses)}});
+                           {{"limit", absl::StrCat(environment_.scans.limits.max_traverses)}});
   }
   TraverseRecord record;
   record.traverse.set_name(name);
   *record.traverse.mutable_settings() = request.settings();
   *record.traverse.mutable_create_time() = wire::TimestampOf(std::chrono::system_clock::now());
   if (absl::Status status = store_->AddTraverse(record); !status.ok()) return status;
-  absl::StatusOr<EnginePointer> engine = MakeEngine(record);
+  absl::StatusOr<EnginePointer> engine =
+      TraverseEngine::Open(environment_, record, std::make_shared<TraverseWatchers>());
   if (!engine.ok()) return engine.status();
   const std::lock_guard lock(mutex_);
   engines_.emplace(name, *std::move(engine));
   return record.traverse;
-}
-
-absl::StatusOr<v1::Traverse> TraversesImpl::Get(const std::string& name) {
-  const absl::StatusOr<EnginePointer> engine = Find(name);
-  if (!engine.ok()) return engine.status();
-  return (*engine)->record().traverse;
 }
 
 absl::StatusOr<v1::ListTraversesResponse> TraversesImpl::List(const v1::ListTraversesRequest& request) {
@@ -190,13 +148,8 @@ absl::StatusOr<v1::ListTraversesResponse> TraversesImpl::List(const v1::ListTrav
   if (!page_size.ok()) return page_size.status();
   const absl::StatusOr<int64_t> before = PlaceOf(request.page_token(), std::numeric_limits<int64_t>::max());
   if (!before.ok()) return before.status();
-  std::map<std::string, EnginePointer> engines;
-  {
-    const std::lock_guard lock(mutex_);
-    engines = engines_;
-  }
   std::map<int64_t, v1::Traverse, std::greater<>> newest_first;
-  for (const auto& [name, engine] : engines) {
+  for (const auto& [name, engine] : Engines()) {
     TraverseRecord record = engine->record();
     if (record.number < *before) newest_first.emplace(record.number, std::move(record.traverse));
   }
@@ -213,48 +166,27 @@ absl::StatusOr<v1::ListTraversesResponse> TraversesImpl::List(const v1::ListTrav
   return response;
 }
 
-absl::StatusOr<v1::GetTrajectoryResponse> TraversesImpl::GetTrajectory(const v1::GetTrajectoryRequest& request) {
-  const absl::StatusOr<EnginePointer> engine = Find(request.name());
-  if (!engine.ok()) return engine.status();
-  const absl::StatusOr<int> page_size = PageSize(request.page_size(), kMaxPageSize);
-  if (!page_size.ok()) return page_size.status();
-  const absl::StatusOr<int64_t> first = PlaceOf(request.page_token(), 0);
-  if (!first.ok()) return first.status();
-  absl::StatusOr<StoredPoses> stored =
-      store_->Poses((*engine)->record().number, static_cast<uint64_t>(*first), *page_size + 1);
-  if (!stored.ok()) return stored.status();
-  v1::GetTrajectoryResponse response;
-  response.set_version(stored->traverse.trajectory_version());
-  for (v1::TrajectoryPose& pose : stored->poses) {
-    if (response.poses_size() == *page_size) {
-      response.set_next_page_token(TokenOfPlace(static_cast<int64_t>(pose.sequence_number())));
-      break;
-    }
-    *response.add_poses() = std::move(pose);
-  }
-  return response;
-}
-
 absl::Status TraversesImpl::Delete(const std::string& name) {
   if (absl::Status status = RemoveTraverse(name); !status.ok()) return status;
-  engine_environment_.work.logger->Info("traverse_deleted", {{"traverse", name}});
+  environment_.logger->Info("traverse_deleted", {{"traverse", name}});
   // Takes a while, during which other traverses can be made and removed.
-  RemoveDoomedScans();
+  uses_.DeletePending();
   return absl::OkStatus();
 }
 
 absl::Status TraversesImpl::RemoveTraverse(const std::string& name) {
   const std::lock_guard lifecycle(lifecycle_mutex_);
-  const absl::StatusOr<EnginePointer> engine = Find(name);
+  const absl::StatusOr<EnginePointer> engine = FindEngine(name);
   if (!engine.ok()) return engine.status();
   const std::shared_ptr<TraverseWatchers> watchers = (*engine)->watchers();
   (*engine)->Close();
   const TraverseRecord record = (*engine)->record();
-  const absl::Status status = environment_.store->WithSpareSpace([&] { return store_->RemoveTraverse(record.number); });
+  const absl::Status status =
+      environment_.scans.store->WithReservedSpace([&] { return store_->RemoveTraverse(record.number); });
   if (!status.ok()) {
-    // It is still there: who watches goes on, who streams begins anew.
+    // It is still there: watchers continue, a stream has to begin again.
     (*engine)->EndStream();
-    if (absl::StatusOr<EnginePointer> again = MakeEngine(record, watchers); again.ok()) {
+    if (absl::StatusOr<EnginePointer> again = TraverseEngine::Open(environment_, record, watchers); again.ok()) {
       const std::lock_guard lock(mutex_);
       engines_[name] = *std::move(again);
     }
@@ -270,124 +202,14 @@ absl::Status TraversesImpl::RemoveTraverse(const std::string& name) {
   return absl::OkStatus();
 }
 
-// A traverse of the same name is not to go on with them. Those that stay behind, for a fault of the disk, expire.
+// A traverse of the same name must not resume them. Those that remain, because of a fault of the disk, expire.
 void TraversesImpl::ForgetPartialUploads(const TraverseRecord& record) {
   const absl::StatusOr<std::string> id = wire::TraverseIdOf(record.traverse.name(), "name");
   if (!id.ok()) return;
   const uint64_t next = record.traverse.next_sequence_number();
   for (uint64_t number = next; number <= next + record.traverse.settings().reorder_window(); ++number) {
-    ForgetStreamedUpload(*id, number, *environment_.store).IgnoreError();
+    ForgetStreamedUpload(*id, number, *environment_.scans.store).IgnoreError();
   }
-}
-
-// Those that stay behind, for a fault of the disk, are removed at the next start.
-void TraversesImpl::RemoveDoomedScans() {
-  const absl::StatusOr<std::vector<std::string>> scans = store_->DoomedScans();
-  if (!scans.ok()) return;
-  for (const std::string& id : *scans) RemoveDoomedScan(id);
-}
-
-// Locks for one scan only, so that no stream waits for hundreds.
-void TraversesImpl::RemoveDoomedScan(const std::string& scan_id) {
-  const std::lock_guard uses(uses_mutex_);
-  const absl::StatusOr<bool> is_used = store_->IsScanUsed(scan_id);
-  if (!is_used.ok() || *is_used) return;  // wanted again meanwhile
-  const absl::Status deleted = DeleteStoredScan(scan_id, *environment_.store, *environment_.cache);
-  if (!deleted.ok() && wire::ReasonOf(deleted) != v1::ERROR_REASON_SCAN_NOT_FOUND) return;
-  store_->Spare(scan_id).IgnoreError();
-}
-
-absl::Status TraversesImpl::DeleteScan(const std::string& scan_id) {
-  const std::lock_guard uses(uses_mutex_);
-  const absl::StatusOr<bool> is_used = store_->IsScanUsed(scan_id);
-  if (!is_used.ok()) return is_used.status();
-  if (*is_used) return wire::MakeError(v1::ERROR_REASON_SCAN_IN_USE, "a traverse uses the scan; delete that first");
-  return DeleteStoredScan(scan_id, *environment_.store, *environment_.cache);
-}
-
-absl::StatusOr<StreamTicket> TraversesImpl::BeginStream(const std::string& name, const std::stop_source& owner) {
-  const absl::StatusOr<EnginePointer> engine = Find(name);
-  if (!engine.ok()) return engine.status();
-  return (*engine)->BeginStream(owner);
-}
-
-absl::Status TraversesImpl::CheckScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header, bool* known) {
-  const absl::StatusOr<EnginePointer> engine = Find(wire::TraverseName(ticket.traverse_id));
-  if (!engine.ok()) return engine.status();
-  return (*engine)->CheckScan(ticket, header, known);
-}
-
-absl::StatusOr<uint64_t> TraversesImpl::AddScan(const StreamTicket& ticket, const v1::StreamedScanHeader& header,
-                                                const std::string& scan_id) {
-  const absl::StatusOr<EnginePointer> engine = Find(wire::TraverseName(ticket.traverse_id));
-  if (!engine.ok()) return engine.status();
-  const std::lock_guard uses(uses_mutex_);
-  bool known = false;
-  if (absl::Status status = (*engine)->CheckScan(ticket, header, &known); !status.ok()) return status;
-  // One that is known may be claimed to be a scan that never was: the engine tells.
-  const absl::Status stored = known ? absl::OkStatus() : environment_.store->GetScan(scan_id).status();
-  return stored.ok() ? (*engine)->AddScan(ticket, header, scan_id) : stored;
-}
-
-absl::StatusOr<std::vector<v1::WatchTraverseResponse>> TraversesImpl::Events(const std::string& name,
-                                                                             uint64_t first_event, int max_events) {
-  const absl::StatusOr<EnginePointer> engine = Find(name);
-  if (!engine.ok()) return engine.status();
-  const TraverseRecord record = (*engine)->record();
-  if (first_event > record.num_events) {
-    return wire::MakeError(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE, "there is no event of that number yet",
-                           {{"next_event", absl::StrCat(record.num_events)}});
-  }
-  return store_->Events(record.number, first_event, max_events);
-}
-
-absl::StatusOr<std::vector<v1::ScanResult>> TraversesImpl::Results(const std::string& name,
-                                                                   uint64_t first_sequence_number, int max_results) {
-  const absl::StatusOr<EnginePointer> engine = Find(name);
-  if (!engine.ok()) return engine.status();
-  const TraverseRecord record = (*engine)->record();
-  if (first_sequence_number >= record.traverse.registered_scan_count()) return std::vector<v1::ScanResult>();
-  return store_->Results(record.number, first_sequence_number, max_results);
-}
-
-absl::StatusOr<std::unique_ptr<Traverses::Subscription>> TraversesImpl::Subscribe(const std::string& name,
-                                                                                  std::function<void()> wake) {
-  const absl::StatusOr<EnginePointer> engine = Find(name);
-  if (!engine.ok()) return engine.status();
-  return (*engine)->watchers()->Add(std::move(wake));
-}
-
-void TraversesImpl::Optimize(const v1::OptimizeTraverseRequest& request, const std::string& client, const Stop& stop,
-                             OptimizeDone done) {
-  const absl::StatusOr<EnginePointer> engine = Find(request.name());
-  if (!engine.ok()) {
-    done(engine.status());
-    return;
-  }
-  (*engine)->Optimize(request, client, stop, std::move(done));
-}
-
-absl::StatusOr<Traverses::MapSource> TraversesImpl::SourceOfMap(const std::string& name, uint32_t segment) {
-  const absl::StatusOr<EnginePointer> engine = Find(name);
-  if (!engine.ok()) return engine.status();
-  const int64_t number = (*engine)->record().number;
-  const absl::StatusOr<StoredPoses> poses = store_->Poses(number, 0, TraverseStore::kAll);
-  if (!poses.ok()) return poses.status();
-  const absl::StatusOr<std::vector<AcknowledgedScan>> scans =
-      store_->Scans(number, 0, static_cast<int64_t>(poses->poses.size()));
-  if (!scans.ok()) return scans.status();
-  if (scans->size() != poses->poses.size()) return TraverseNotFound(name);  // deleted meanwhile
-  MapSource source;
-  source.version = poses->traverse.trajectory_version();
-  for (size_t i = 0; i < scans->size(); ++i) {
-    if (poses->poses[i].segment() != segment) continue;
-    const absl::StatusOr<TrajectoryPose> pose = wire::FromWire(poses->poses[i]);
-    if (!pose.ok()) return pose.status();
-    source.scan_ids.push_back((*scans)[i].scan_id);
-    source.T_segment_scan.push_back(pose->T_segment_scan);
-  }
-  if (source.scan_ids.empty()) return wire::FieldError("segment", "the traverse has no such segment");
-  return source;
 }
 
 uint64_t TraversesImpl::num_traverses() {
@@ -401,10 +223,10 @@ absl::StatusOr<std::unique_ptr<Traverses>> Traverses::Open(const std::string& da
                                                            const TraverseEnvironment& environment) {
   absl::StatusOr<std::unique_ptr<TraverseStore>> store = absl::UnknownError("not opened");
   // The database is made before the first scan can come.
-  const StoreStatistics scans = environment.store->Statistics();
+  const StoreStatistics scans = environment.scans.store->Statistics();
   const bool may_be_new = scans.num_scans == 0 && scans.num_uploads == 0;
   // A full disk must not keep anybody from deleting.
-  const absl::Status opened = environment.store->WithSpareSpace([&] {
+  const absl::Status opened = environment.scans.store->WithReservedSpace([&] {
     store = TraverseStore::Open(data_dir + kDatabaseName, may_be_new);
     return store.status();
   });

@@ -33,13 +33,14 @@ WatchStream::WatchStream(const Environment& environment, grpc::CallbackServerCon
 absl::StatusOr<WatchStream::Next> WatchStream::Make(std::deque<v1::WatchTraverseResponse>& made) {
   // Before the first look, so that nothing is missed between the two.
   if (subscription_ == nullptr && !request_.existing_only()) {
-    absl::StatusOr<std::unique_ptr<Traverses::Subscription>> subscription =
-        environment_.traverses->Subscribe(request_.name(), [this] { Wake(); });
-    if (!subscription.ok()) return subscription.status();
-    subscription_ = *std::move(subscription);
+    const absl::StatusOr<std::shared_ptr<TrackedTraverse>> watched = environment_.traverses->Find(request_.name());
+    if (!watched.ok()) return watched.status();
+    subscription_ = (*watched)->Subscribe([this] { Wake(); });
   }
-  absl::StatusOr<std::vector<v1::WatchTraverseResponse>> events =
-      environment_.traverses->Events(request_.name(), next_event_, kMostEvents);
+  // Found anew: a deletion before the subscription wakes nobody.
+  const absl::StatusOr<std::shared_ptr<TrackedTraverse>> traverse = environment_.traverses->Find(request_.name());
+  if (!traverse.ok()) return traverse.status();
+  absl::StatusOr<std::vector<v1::WatchTraverseResponse>> events = (*traverse)->Events(next_event_, kMostEvents);
   if (!events.ok()) return events.status();
   if (events->empty()) return request_.existing_only() ? Next::kEnd : Next::kAfterWake;
   next_event_ = events->back().event() + 1;

@@ -44,7 +44,7 @@ class WatchStream final : public ResponseStream<v1::WatchTraverseResponse> {
   const v1::WatchTraverseRequest& request_;
   uint64_t next_event_;
   // Last, so that they are gone before what they use.
-  std::unique_ptr<Traverses::Subscription> subscription_;
+  std::unique_ptr<Subscription> subscription_;
   const std::stop_callback<std::function<void()>> on_draining_;
 };
 

@@ -149,8 +149,8 @@ class StoreCrashTest : public ::testing::Test {
     const std::unique_ptr<ScanStore> store = OpenStore(folder_path_);
     ASSERT_NE(store, nullptr);
     EXPECT_THAT(store->DamagedScans(), IsEmpty());
-    EXPECT_EQ(store->Findings().num_lost_files, 0U) << "what a kill leaves is no loss";
-    EXPECT_THAT(store->Findings().emptied_uploads, IsEmpty());
+    EXPECT_EQ(store->Recovery().num_orphaned_files, 0U) << "what a kill leaves is no loss";
+    EXPECT_THAT(store->Recovery().emptied_uploads, IsEmpty());
     std::set<std::string> listed;
     std::string token;
     do {

@@ -49,7 +49,7 @@ class MapBuilderTest : public ::testing::Test {
   }
 
   std::unique_ptr<MapBuilder> Open(const MapBuilder::Options& options) {
-    TraverseEnvironment environment;
+    MapEnvironment environment;
     environment.store = store_.get();
     environment.memory = &memory_;
     absl::StatusOr<std::unique_ptr<MapBuilder>> builder = MapBuilder::Open(folder_.path(), environment, options);
@@ -69,7 +69,7 @@ class MapBuilderTest : public ::testing::Test {
   std::unique_ptr<ScanStore> store_ = OpenStore(folder_.path());
   MemoryBudget memory_{uint64_t{256} << 20};
   const MapScene scene_ = testing::Strip(4, 3000);
-  Traverses::MapSource source_{.version = 7, .scan_ids = {}, .T_segment_scan = {}};
+  MapSource source_{.version = 7, .scan_ids = {}, .T_segment_scan = {}};
   std::unique_ptr<MapBuilder> builder_;
 };
 
@@ -221,7 +221,7 @@ TEST_F(MapBuilderTest, DamagedAndUnfinishedFilesAreBuiltAnew) {
 
 TEST_F(MapBuilderTest, CanBeBuiltAfterALibraryThrew) {
   ThrowingStore store(*store_);
-  TraverseEnvironment environment;
+  MapEnvironment environment;
   environment.store = &store;
   environment.memory = &memory_;
   const auto builder = MapBuilder::Open(folder_.path(), environment, {});

@@ -51,11 +51,12 @@ class RegistrationServer {
     backend.calls.metrics = &metrics;
     backend.calls.draining = draining.get_token();
     backend.calls.ending = ending.get_token();
-    backend.limits = options.limits;
+    backend.scans = {.limits = options.limits,
+                     .memory = &memory,
+                     .cache = &cache,
+                     .store = options.store != nullptr ? options.store : own_store_.get(),
+                     .metrics = &metrics};
     backend.pool = &pool;
-    backend.memory = &memory;
-    backend.cache = &cache;
-    backend.store = options.store != nullptr ? options.store : own_store_.get();
     service_ = std::make_unique<server::RegistrationService>(backend);
     grpc::ServerBuilder builder;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);

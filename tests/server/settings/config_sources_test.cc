@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "server/settings/setting_values.h"
 #include "server/settings/settings.h"
 #include "tests/testing/test_data.h"
 

@@ -42,12 +42,12 @@ class ThrowingStore final : public ScanStore {
     return store_.ListScans(page_size, page_token);
   }
   absl::Status DeleteScan(const std::string& scan_id) override { return store_.DeleteScan(scan_id); }
-  absl::Status WithSpareSpace(const std::function<absl::Status()>& work) override {
-    return store_.WithSpareSpace(work);
+  absl::Status WithReservedSpace(const std::function<absl::Status()>& work) override {
+    return store_.WithReservedSpace(work);
   }
   StoreStatistics Statistics() override { return store_.Statistics(); }
   std::vector<std::string> DamagedScans() override { return store_.DamagedScans(); }
-  StoreFindings Findings() override { return store_.Findings(); }
+  RecoveryReport Recovery() override { return store_.Recovery(); }
 
   bool throws_early = false;
 

@@ -82,7 +82,7 @@ TEST_F(TraverseStoreTest, RemovesALongTraverseFromAFullDisk) {
   ASSERT_THAT(store, IsOk());
   disk.FillUp(0);
   ASSERT_THAT((*store)->RemoveTraverse(record.number), HasReason(v1::ERROR_REASON_STORAGE_FULL));
-  EXPECT_THAT(scans->WithSpareSpace([&] { return (*store)->RemoveTraverse(record.number); }), IsOk());
+  EXPECT_THAT(scans->WithReservedSpace([&] { return (*store)->RemoveTraverse(record.number); }), IsOk());
   const auto links = (*store)->Links(record.number);
   ASSERT_THAT(links, IsOk());
   EXPECT_THAT(*links, IsEmpty());
@@ -199,7 +199,7 @@ TEST_F(TraverseStoreTest, FencingNumbersGrowAcrossTraverses) {
   EXPECT_GT(again.fencing_number, last);
 }
 
-TEST_F(TraverseStoreTest, RemovalDoomsTheScansThatNothingElseUses) {
+TEST_F(TraverseStoreTest, RemovalLeavesTheScansThatNothingElseUsesToBeDeleted) {
   const TraverseRecord a = Add("traverses/a");
   const TraverseRecord b = Add("traverses/b");
   ASSERT_THAT(store_->AddScan(a, ScanOf(0, "own")), IsOk());
@@ -211,10 +211,10 @@ TEST_F(TraverseStoreTest, RemovalDoomsTheScansThatNothingElseUses) {
   Reopen();
   EXPECT_FALSE(*store_->IsScanUsed("own"));
   EXPECT_TRUE(*store_->IsScanUsed("shared"));
-  EXPECT_THAT(*store_->DoomedScans(), ElementsAre("own"));
+  EXPECT_THAT(*store_->PendingDeletions(), ElementsAre("own"));
   // Used again before it is gone.
   ASSERT_THAT(store_->AddScan(b, ScanOf(1, "own")), IsOk());
-  EXPECT_THAT(*store_->DoomedScans(), IsEmpty());
+  EXPECT_THAT(*store_->PendingDeletions(), IsEmpty());
   EXPECT_EQ(store_->Traverses()->size(), 1U);
   EXPECT_THAT(*store_->Events(a.number, 0, 10), IsEmpty());
 }

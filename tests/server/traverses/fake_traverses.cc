@@ -10,7 +10,7 @@
 
 namespace curvereg::testing {
 
-class FakeTraverses::Listener final : public Subscription {
+class FakeTraverses::Listener final : public server::Subscription {
  public:
   Listener(FakeTraverses& traverses, std::function<void()> wake) : traverses_(traverses), wake_(std::move(wake)) {
     const std::lock_guard lock(traverses_.listeners_mutex_);
@@ -58,7 +58,7 @@ void FakeTraverses::WakeAll() {
   for (const Listener* listener : listeners_) listener->Wake();
 }
 
-absl::Status FakeTraverses::Find(const std::string& name) const {
+absl::Status FakeTraverses::CheckName(const std::string& name) const {
   if (name == kName && !is_deleted_) return absl::OkStatus();
   return wire::MakeError(v1::ERROR_REASON_TRAVERSE_NOT_FOUND, "no such traverse");
 }
@@ -67,11 +67,15 @@ absl::StatusOr<v1::Traverse> FakeTraverses::Create(const v1::CreateTraverseReque
   return absl::UnimplementedError("not here");
 }
 
-absl::StatusOr<v1::Traverse> FakeTraverses::Get(const std::string& name) {
+absl::StatusOr<std::shared_ptr<server::TrackedTraverse>> FakeTraverses::Find(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  if (const absl::Status status = Find(name); !status.ok()) return status;
+  if (const absl::Status status = CheckName(name); !status.ok()) return status;
+  return std::shared_ptr<server::TrackedTraverse>(std::shared_ptr<void>(), this);  // owned by the test
+}
+
+v1::Traverse FakeTraverses::Description() const {
   v1::Traverse traverse;
-  traverse.set_name(name);
+  traverse.set_name(kName);
   return traverse;
 }
 
@@ -79,27 +83,26 @@ absl::StatusOr<v1::ListTraversesResponse> FakeTraverses::List(const v1::ListTrav
   return absl::UnimplementedError("not here");
 }
 
-absl::StatusOr<v1::GetTrajectoryResponse> FakeTraverses::GetTrajectory(const v1::GetTrajectoryRequest&) {
+absl::StatusOr<v1::GetTrajectoryResponse> FakeTraverses::Trajectory(int, const std::string&) {
   return absl::UnimplementedError("not here");
 }
 
 absl::Status FakeTraverses::Delete(const std::string& name) {
   {
     const std::lock_guard lock(mutex_);
-    if (absl::Status status = Find(name); !status.ok()) return status;
+    if (absl::Status status = CheckName(name); !status.ok()) return status;
     is_deleted_ = true;
   }
   WakeAll();
   return absl::OkStatus();
 }
 
-absl::StatusOr<server::StreamTicket> FakeTraverses::BeginStream(const std::string& name,
-                                                                const std::stop_source& owner) {
+absl::StatusOr<server::StreamTicket> FakeTraverses::BeginStream(const std::stop_source& owner) {
   std::stop_source former(std::nostopstate);
   server::StreamTicket ticket;
   {
     const std::lock_guard lock(mutex_);
-    if (const absl::Status status = Find(name); !status.ok()) return status;
+    if (const absl::Status status = CheckName(kName); !status.ok()) return status;
     former = std::exchange(owner_, owner);
     ticket = {.traverse_id = "t", .fencing_number = ++fencing_number_, .next_sequence_number = scans_.size()};
   }
@@ -109,7 +112,7 @@ absl::StatusOr<server::StreamTicket> FakeTraverses::BeginStream(const std::strin
 
 absl::Status FakeTraverses::Check(const server::StreamTicket& ticket, const v1::StreamedScanHeader& header,
                                   bool* known) const {
-  if (absl::Status status = Find(kName); !status.ok()) return status;
+  if (absl::Status status = CheckName(kName); !status.ok()) return status;
   if (ticket.fencing_number != fencing_number_) {
     return wire::MakeError(v1::ERROR_REASON_WRITER_REPLACED, "another stream");
   }
@@ -142,20 +145,18 @@ absl::StatusOr<uint64_t> FakeTraverses::AddScan(const server::StreamTicket& tick
   return header.sequence_number() + 1;
 }
 
-absl::StatusOr<std::vector<v1::WatchTraverseResponse>> FakeTraverses::Events(const std::string& name,
-                                                                             uint64_t first_event, int max_events) {
+absl::StatusOr<std::vector<v1::WatchTraverseResponse>> FakeTraverses::Events(uint64_t first_event, int max_events) {
   const std::lock_guard lock(mutex_);
-  if (const absl::Status status = Find(name); !status.ok()) return status;
+  if (const absl::Status status = CheckName(kName); !status.ok()) return status;
   if (first_event > events_.size()) return wire::MakeError(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE, "beyond the next");
   const uint64_t end = std::min<uint64_t>(events_.size(), first_event + static_cast<uint64_t>(max_events));
   return std::vector(events_.begin() + static_cast<std::ptrdiff_t>(first_event),
                      events_.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
-absl::StatusOr<std::vector<v1::ScanResult>> FakeTraverses::Results(const std::string& name,
-                                                                   uint64_t first_sequence_number, int max_results) {
+absl::StatusOr<std::vector<v1::ScanResult>> FakeTraverses::Results(uint64_t first_sequence_number, int max_results) {
   const std::lock_guard lock(mutex_);
-  if (const absl::Status status = Find(name); !status.ok()) return status;
+  if (const absl::Status status = CheckName(kName); !status.ok()) return status;
   std::vector<v1::ScanResult> results;
   for (const v1::WatchTraverseResponse& event : events_) {
     if (event.result().sequence_number() < first_sequence_number) continue;
@@ -165,23 +166,19 @@ absl::StatusOr<std::vector<v1::ScanResult>> FakeTraverses::Results(const std::st
   return results;
 }
 
-absl::StatusOr<std::unique_ptr<server::Traverses::Subscription>> FakeTraverses::Subscribe(const std::string& name,
-                                                                                          std::function<void()> wake) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const absl::Status status = Find(name); !status.ok()) return status;
-  }
+std::unique_ptr<server::Subscription> FakeTraverses::Subscribe(std::function<void()> wake) {
   return std::make_unique<Listener>(*this, std::move(wake));
 }
 
-void FakeTraverses::Optimize(const v1::OptimizeTraverseRequest&, const std::string&, const Stop&, OptimizeDone done) {
+void FakeTraverses::Optimize(const v1::OptimizeTraverseRequest&, const std::string&, const Stop&,
+                             server::OptimizeDone done) {
   done(absl::UnimplementedError("not here"));
 }
 
-absl::StatusOr<server::Traverses::MapSource> FakeTraverses::SourceOfMap(const std::string& name, uint32_t) {
+absl::StatusOr<server::SegmentScans> FakeTraverses::ScansOfSegment(uint32_t) {
   const std::lock_guard lock(mutex_);
-  if (const absl::Status status = Find(name); !status.ok()) return status;
-  MapSource source;
+  if (const absl::Status status = CheckName(kName); !status.ok()) return status;
+  server::SegmentScans source;
   source.version = source_version_;
   for (const auto& [number, scan] : scans_) {
     source.scan_ids.push_back(scan.second);

@@ -17,7 +17,7 @@
 
 namespace curvereg::testing {
 
-class FakeTraverses final : public server::Traverses {
+class FakeTraverses final : public server::Traverses, public server::TrackedTraverse {
  public:
   static constexpr char kName[] = "traverses/t";
 
@@ -31,31 +31,31 @@ class FakeTraverses final : public server::Traverses {
 
   void Close() override {}
   absl::StatusOr<v1::Traverse> Create(const v1::CreateTraverseRequest& request) override;
-  absl::StatusOr<v1::Traverse> Get(const std::string& name) override;
+  absl::StatusOr<std::shared_ptr<server::TrackedTraverse>> Find(const std::string& name) override;
   absl::StatusOr<v1::ListTraversesResponse> List(const v1::ListTraversesRequest& request) override;
-  absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const v1::GetTrajectoryRequest& request) override;
   absl::Status Delete(const std::string& name) override;
+  absl::Status DeleteScan(const std::string& scan_id) override;
+  uint64_t num_traverses() override { return 1; }
 
-  absl::StatusOr<server::StreamTicket> BeginStream(const std::string& name, const std::stop_source& owner) override;
+  // Of the one traverse.
+  v1::Traverse Description() const override;
+  absl::StatusOr<server::StreamTicket> BeginStream(const std::stop_source& owner) override;
   absl::Status CheckScan(const server::StreamTicket& ticket, const v1::StreamedScanHeader& header,
                          bool* known) override;
   absl::StatusOr<uint64_t> AddScan(const server::StreamTicket& ticket, const v1::StreamedScanHeader& header,
                                    const std::string& scan_id) override;
-  absl::StatusOr<std::vector<v1::WatchTraverseResponse>> Events(const std::string& name, uint64_t first_event,
-                                                                int max_events) override;
-  absl::StatusOr<std::vector<v1::ScanResult>> Results(const std::string& name, uint64_t first_sequence_number,
-                                                      int max_results) override;
-  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& name, std::function<void()> wake) override;
+  absl::StatusOr<std::vector<v1::WatchTraverseResponse>> Events(uint64_t first_event, int max_events) override;
+  absl::StatusOr<std::vector<v1::ScanResult>> Results(uint64_t first_sequence_number, int max_results) override;
+  std::unique_ptr<server::Subscription> Subscribe(std::function<void()> wake) override;
+  absl::StatusOr<v1::GetTrajectoryResponse> Trajectory(int page_size, const std::string& page_token) override;
+  absl::StatusOr<server::SegmentScans> ScansOfSegment(uint32_t segment) override;
   void Optimize(const v1::OptimizeTraverseRequest& request, const std::string& client, const Stop& stop,
-                OptimizeDone done) override;
-  absl::StatusOr<MapSource> SourceOfMap(const std::string& name, uint32_t segment) override;
-  absl::Status DeleteScan(const std::string& scan_id) override;
-  uint64_t num_traverses() override { return 1; }
+                server::OptimizeDone done) override;
 
  private:
   class Listener;
 
-  absl::Status Find(const std::string& name) const;  // with the mutex held
+  absl::Status CheckName(const std::string& name) const;  // with the mutex held
   absl::Status Check(const server::StreamTicket& ticket, const v1::StreamedScanHeader& header, bool* known) const;
   void WakeAll();
 

@@ -46,7 +46,7 @@ class TextMap final : public server::MapFile {
 class TextMaps final : public server::MapBuilder {
  public:
   absl::StatusOr<std::shared_ptr<const server::MapFile>> Build(const server::MapRequest& request,
-                                                               const server::Traverses::MapSource& source,
+                                                               const server::MapSource& source,
                                                                const Stop& stop) override {
     ++num_builds;
     while (is_slow) {

@@ -21,13 +21,13 @@ StreamServer::StreamServer(server::Traverses& traverses, const StreamServerOptio
   backend.calls.access = options.scans.access != nullptr ? options.scans.access : access_.get();
   backend.calls.metrics = &scans_.metrics();
   backend.calls.draining = draining_.get_token();
-  backend.traverse_environment = {.limits = options.scans.limits,
-                                  .store = &scans_.store(),
-                                  .memory = &scans_.memory(),
-                                  .cache = &scans_.cache(),
-                                  .pool = &pool_,
-                                  .disk_pool = &scans_.disk_pool(),
-                                  .metrics = &scans_.metrics()};
+  backend.scans = {.limits = options.scans.limits,
+                   .memory = &scans_.memory(),
+                   .cache = &scans_.cache(),
+                   .store = &scans_.store(),
+                   .metrics = &scans_.metrics()};
+  backend.pool = &pool_;
+  backend.disk_pool = &scans_.disk_pool();
   backend.traverses = &traverses;
   backend.maps = options.maps;
   service_ = std::make_unique<server::TraverseService>(backend);

@@ -7,55 +7,17 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "core/scan/scan.h"
 #include "server/traverses/traverses.h"
 #include "tests/server/store/store_testing.h"
-#include "tests/testing/scenes.h"
+#include "tests/server/tracking/drive_scans.h"
 #include "tests/testing/test_data.h"
 #include "wire/point_codec.h"
 
 namespace curvereg::server {
-
-// Where the rover of a drive stands for its scan `number`: 0.8 m apart on a bend.
-inline RigidTransform DrivePose(int number) {
-  return testing::RoverPose(0.8 * number, 0.02 * number * number, 0.05 * number);
-}
-
-// Encoded; `drive` tells drives over the same ground apart by their noise.
-inline v1::PointCloud DriveCloud(int number, uint64_t drive = 0) {
-  const Scan scan =
-      testing::BumpyGround(DrivePose(number), {.num_columns = 360,
-                                               .num_rows = 40,
-                                               .max_range_m = 20.0,
-                                               .noise_seed = 1000 * drive + static_cast<uint64_t>(number)});
-  return *wire::EncodeScan(scan);
-}
-
-inline v1::StreamedScanHeader StreamedHeader(uint64_t sequence_number, const v1::PointCloud& cloud) {
-  v1::StreamedScanHeader header;
-  header.set_sequence_number(sequence_number);
-  *header.mutable_header() = cloud.header();
-  header.set_payload_bytes(cloud.data().size());
-  *header.mutable_payload_digest() = DigestOf(cloud.data());
-  return header;
-}
-
-// Asks every few milliseconds; false after a minute.
-inline bool BecomesTrue(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
-}
 
 class TraverseWorld {
  public:
@@ -72,13 +34,12 @@ class TraverseWorld {
     pool_ = std::make_unique<WorkerPool>(WorkerPoolOptions{
         .num_workers = num_workers, .max_queue_length = max_queue_length, .max_queue_per_client = 16});
     cache_ = std::make_unique<PreparedScanCache>(uint64_t{256} << 20);
-    auto traverses = Traverses::Open(data_dir_, {.limits = limits_,
-                                                 .store = store_.get(),
-                                                 .memory = &memory_,
-                                                 .cache = cache_.get(),
-                                                 .pool = pool_.get(),
-                                                 .disk_pool = pool_.get(),
-                                                 .metrics = &metrics_});
+    auto traverses = Traverses::Open(data_dir_, {.scans = {.limits = limits_,
+                                                           .memory = &memory_,
+                                                           .cache = cache_.get(),
+                                                           .store = store_.get(),
+                                                           .metrics = &metrics_},
+                                                 .pool = pool_.get()});
     ASSERT_THAT(traverses, testing::IsOk());
     traverses_ = *std::move(traverses);
   }
@@ -103,8 +64,17 @@ class TraverseWorld {
     return traverse.ok() ? traverse->name() : "";
   }
 
+  // One that must be there.
+  std::shared_ptr<TrackedTraverse> Find(const std::string& name) {
+    const auto traverse = traverses_->Find(name);
+    EXPECT_THAT(traverse, testing::IsOk());
+    return traverse.value_or(nullptr);
+  }
+  v1::Traverse Get(const std::string& name) { return Find(name)->Description(); }
+  std::shared_ptr<TrackedTraverse> Find(const StreamTicket& ticket) { return Find("traverses/" + ticket.traverse_id); }
+
   StreamTicket Begin(const std::string& name) {
-    const auto ticket = traverses_->BeginStream(name, std::stop_source(std::nostopstate));
+    const auto ticket = Find(name)->BeginStream(std::stop_source(std::nostopstate));
     EXPECT_THAT(ticket, testing::IsOk());
     return ticket.value_or(StreamTicket());
   }
@@ -118,7 +88,7 @@ class TraverseWorld {
   }
 
   absl::StatusOr<uint64_t> Add(const StreamTicket& ticket, uint64_t sequence_number, const v1::PointCloud& cloud) {
-    return traverses_->AddScan(ticket, StreamedHeader(sequence_number, cloud), Keep(cloud));
+    return Find(ticket)->AddScan(ticket, StreamedHeader(sequence_number, cloud), Keep(cloud));
   }
   // Scans [first, end) of the drive.
   void AddDrive(const StreamTicket& ticket, int first, int end, uint64_t drive = 0) {
@@ -128,13 +98,11 @@ class TraverseWorld {
   }
 
   bool WaitForScans(const std::string& name, uint64_t num_scans) {
-    return BecomesTrue([&] { return traverses_->Get(name)->registered_scan_count() >= num_scans; });
+    return BecomesTrue([&] { return Get(name).registered_scan_count() >= num_scans; });
   }
 
   std::vector<v1::TrajectoryPose> Poses(const std::string& name) {
-    v1::GetTrajectoryRequest request;
-    request.set_name(name);
-    const auto response = traverses_->GetTrajectory(request);
+    const auto response = Find(name)->Trajectory(0, "");
     EXPECT_THAT(response, testing::IsOk());
     if (!response.ok()) return {};
     return {response->poses().begin(), response->poses().end()};

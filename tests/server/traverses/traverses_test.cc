@@ -53,7 +53,7 @@ TEST(TraversesTest, ALostDatabaseIsSaidSo) {
   const auto reopened = [&](bool is_lost) {
     world.Close();
     if (is_lost) std::filesystem::remove(folder.File("traverses.sqlite"));
-    return Traverses::Open(folder.path(), {.limits = {}, .store = &world.store()}).status();
+    return Traverses::Open(folder.path(), {.scans = {.limits = {}, .store = &world.store()}}).status();
   };
   EXPECT_THAT(reopened(true), IsOk()) << "nothing was kept so far";
   world.Keep(DriveCloud(0));
@@ -73,8 +73,8 @@ TEST(TraversesTest, RefusesWhatCannotBeATraverse) {
   EXPECT_THAT(world->Create(with_prior), HasReason(v1::ERROR_REASON_INVALID_FIELD));
   EXPECT_THAT(world->Create(CreateRequest("a", 64)), IsOk());
   EXPECT_THAT(world->Create(CreateRequest("b")), HasReason(v1::ERROR_REASON_TOO_MANY_TRAVERSES));
-  EXPECT_THAT(world->Get("traverses/b"), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
-  EXPECT_THAT(world->Get("b"), HasReason(v1::ERROR_REASON_INVALID_FIELD));
+  EXPECT_THAT(world->Find("traverses/b"), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
+  EXPECT_THAT(world->Find("b"), HasReason(v1::ERROR_REASON_INVALID_FIELD));
 }
 
 TEST(TraversesTest, TracksADriveAndTellsEachScanOnce) {
@@ -83,7 +83,7 @@ TEST(TraversesTest, TracksADriveAndTellsEachScanOnce) {
   world.AddDrive(world.Begin(name), 0, 4);
   ASSERT_TRUE(world.WaitForScans(name, 4));
 
-  const auto results = world->Results(name, 0, 100);
+  const auto results = world.Find(name)->Results(0, 100);
   ASSERT_THAT(results, IsOk());
   EXPECT_THAT(ResultNumbers(*results), ElementsAre(0, 1, 2, 3));
   for (size_t i = 0; i < results->size(); ++i) {
@@ -93,14 +93,14 @@ TEST(TraversesTest, TracksADriveAndTellsEachScanOnce) {
     EXPECT_EQ(pose.origin(), i == 0 ? v1::POSE_ORIGIN_SEGMENT_START : v1::POSE_ORIGIN_REGISTERED);
     EXPECT_EQ((*results)[i].has_result(), i > 0);
   }
-  const auto rest = world->Results(name, 2, 1);
+  const auto rest = world.Find(name)->Results(2, 1);
   ASSERT_THAT(rest, IsOk());
   EXPECT_THAT(ResultNumbers(*rest), ElementsAre(2));
 
-  const auto traverse = world->Get(name);
-  EXPECT_EQ(traverse->next_sequence_number(), 4U);
-  EXPECT_EQ(traverse->segment_count(), 1U);
-  EXPECT_NEAR(traverse->path_length_m(), 2.4, 0.2);
+  const v1::Traverse traverse = world.Get(name);
+  EXPECT_EQ(traverse.next_sequence_number(), 4U);
+  EXPECT_EQ(traverse.segment_count(), 1U);
+  EXPECT_NEAR(traverse.path_length_m(), 2.4, 0.2);
   EXPECT_EQ(world.Poses(name).size(), 4U);
 }
 
@@ -131,32 +131,31 @@ TEST(TraversesTest, EventsAreNumberedWithoutGapsAndWakeWatchers) {
   TraverseWorld world;
   const std::string name = world.Create("drive");
   std::atomic<int> num_wakes = 0;
-  auto subscription = world->Subscribe(name, [&] { ++num_wakes; });
-  ASSERT_THAT(subscription, IsOk());
+  auto subscription = world.Find(name)->Subscribe([&] { ++num_wakes; });
   world.AddDrive(world.Begin(name), 0, 3);
   ASSERT_TRUE(world.WaitForScans(name, 3));
   ASSERT_TRUE(BecomesTrue([&] { return num_wakes >= 3; }));
-  subscription->reset();
+  subscription.reset();
 
-  const auto events = world->Events(name, 0, 1000);
+  const auto events = world.Find(name)->Events(0, 1000);
   ASSERT_THAT(events, IsOk());
   ASSERT_GE(events->size(), 3U);
   for (size_t i = 0; i < events->size(); ++i) {
     EXPECT_EQ((*events)[i].event(), i);
     EXPECT_TRUE((*events)[i].has_time());
   }
-  const auto later = world->Events(name, 1, 1);
+  const auto later = world.Find(name)->Events(1, 1);
   ASSERT_THAT(later, IsOk());
   ASSERT_EQ(later->size(), 1U);
   EXPECT_EQ(later->front().SerializeAsString(), (*events)[1].SerializeAsString());
-  EXPECT_THAT(world->Events(name, 1000, 1), HasReason(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE));
+  EXPECT_THAT(world.Find(name)->Events(1000, 1), HasReason(v1::ERROR_REASON_OFFSET_OUT_OF_RANGE));
 }
 
 TEST(TraversesTest, ANewerStreamFencesOffTheOneBefore) {
   TraverseWorld world;
   const std::string name = world.Create("drive");
   const std::stop_source owner;
-  const auto first = world->BeginStream(name, owner);
+  const auto first = world.Find(name)->BeginStream(owner);
   ASSERT_THAT(first, IsOk());
   EXPECT_FALSE(owner.stop_requested());
   const StreamTicket second = world.Begin(name);
@@ -164,7 +163,8 @@ TEST(TraversesTest, ANewerStreamFencesOffTheOneBefore) {
   EXPECT_GT(second.fencing_number, first->fencing_number);
   const v1::PointCloud cloud = DriveCloud(0);
   bool known = false;
-  EXPECT_THAT(world->CheckScan(*first, StreamedHeader(0, cloud), &known), HasReason(v1::ERROR_REASON_WRITER_REPLACED));
+  EXPECT_THAT(world.Find(*first)->CheckScan(*first, StreamedHeader(0, cloud), &known),
+              HasReason(v1::ERROR_REASON_WRITER_REPLACED));
   EXPECT_THAT(world.Add(*first, 0, cloud), HasReason(v1::ERROR_REASON_WRITER_REPLACED));
   EXPECT_THAT(world.Add(second, 0, cloud), IsOk());
   world.Reopen();
@@ -193,13 +193,13 @@ TEST(TraversesTest, LateScansWithinTheWindowAreTrackedInOrder) {
   const StreamTicket again = world.Begin(name);
   EXPECT_EQ(again.next_sequence_number, 0U);
   bool known = false;
-  EXPECT_THAT(world->CheckScan(again, StreamedHeader(2, DriveCloud(2)), &known), IsOk());
+  EXPECT_THAT(world.Find(again)->CheckScan(again, StreamedHeader(2, DriveCloud(2)), &known), IsOk());
   EXPECT_TRUE(known);
   EXPECT_EQ(*world.Add(again, 1, DriveCloud(1)), 0U);
-  EXPECT_EQ(world->Get(name)->registered_scan_count(), 0U);
+  EXPECT_EQ(world.Get(name).registered_scan_count(), 0U);
   EXPECT_EQ(*world.Add(again, 0, DriveCloud(0)), 3U);
   ASSERT_TRUE(world.WaitForScans(name, 3));
-  EXPECT_THAT(ResultNumbers(*world->Results(name, 0, 10)), ElementsAre(0, 1, 2));
+  EXPECT_THAT(ResultNumbers(*world.Find(name)->Results(0, 10)), ElementsAre(0, 1, 2));
 }
 
 TEST(TraversesTest, AScanAgainChangesNothingAndAnotherInItsPlaceIsRefused) {
@@ -209,15 +209,15 @@ TEST(TraversesTest, AScanAgainChangesNothingAndAnotherInItsPlaceIsRefused) {
   world.AddDrive(ticket, 0, 2);
   ASSERT_TRUE(world.WaitForScans(name, 2));
   bool known = false;
-  EXPECT_THAT(world->CheckScan(ticket, StreamedHeader(1, DriveCloud(1)), &known), IsOk());
+  EXPECT_THAT(world.Find(ticket)->CheckScan(ticket, StreamedHeader(1, DriveCloud(1)), &known), IsOk());
   EXPECT_TRUE(known);
   EXPECT_EQ(*world.Add(ticket, 1, DriveCloud(1)), 2U);
-  EXPECT_THAT(world->CheckScan(ticket, StreamedHeader(1, DriveCloud(2)), &known),
+  EXPECT_THAT(world.Find(ticket)->CheckScan(ticket, StreamedHeader(1, DriveCloud(2)), &known),
               HasReason(v1::ERROR_REASON_SEQUENCE_DIFFERS));
   EXPECT_THAT(world.Add(ticket, 1, DriveCloud(2)), HasReason(v1::ERROR_REASON_SEQUENCE_DIFFERS));
-  EXPECT_THAT(world->CheckScan(ticket, StreamedHeader(2, DriveCloud(2)), &known), IsOk());
+  EXPECT_THAT(world.Find(ticket)->CheckScan(ticket, StreamedHeader(2, DriveCloud(2)), &known), IsOk());
   EXPECT_FALSE(known);
-  EXPECT_EQ(world->Get(name)->next_sequence_number(), 2U);
+  EXPECT_EQ(world.Get(name).next_sequence_number(), 2U);
 }
 
 TEST(TraversesTest, AFullTraverseTakesNoMoreScans) {
@@ -230,7 +230,7 @@ TEST(TraversesTest, AFullTraverseTakesNoMoreScans) {
 TEST(TraversesTest, ScansThatAreNotStoredAreNotTaken) {
   TraverseWorld world;
   const StreamTicket ticket = world.Begin(world.Create("drive"));
-  EXPECT_THAT(world->AddScan(ticket, StreamedHeader(0, DriveCloud(0)), std::string(32, '0')),
+  EXPECT_THAT(world.Find(ticket)->AddScan(ticket, StreamedHeader(0, DriveCloud(0)), std::string(32, '0')),
               HasReason(v1::ERROR_REASON_SCAN_NOT_FOUND));
 }
 
@@ -249,11 +249,11 @@ TEST(TraversesTest, GoesOnAfterARestartWithTheSamePoses) {
     world.Reopen();
   }
   ASSERT_TRUE(world.WaitForScans(cut, 6));
-  const auto results = world->Results(cut, 0, 100);
+  const auto results = world.Find(cut)->Results(0, 100);
   ASSERT_THAT(results, IsOk());
   EXPECT_THAT(ResultNumbers(*results), ElementsAre(0, 1, 2, 3, 4, 5));
   EXPECT_EQ(world.PoseBytes(cut), world.PoseBytes(whole));
-  const auto events = world->Events(cut, 0, 1000);
+  const auto events = world.Find(cut)->Events(0, 1000);
   ASSERT_THAT(events, IsOk());
   for (size_t i = 0; i < events->size(); ++i) EXPECT_EQ((*events)[i].event(), i);
 }
@@ -295,7 +295,7 @@ TEST(TraversesTest, AnUnusableScanDoesNotHoldUpTheTraverse) {
   EXPECT_THAT(world.Add(ticket, 1, *wire::EncodeScan(few)), IsOk());
   world.AddDrive(ticket, 2, 4);
   ASSERT_TRUE(world.WaitForScans(name, 4));
-  const auto results = world->Results(name, 1, 1);
+  const auto results = world.Find(name)->Results(1, 1);
   ASSERT_THAT(results, IsOk());
   ASSERT_EQ(results->front().links_size(), 1);
   EXPECT_FALSE(results->front().links(0).summary().accepted());
@@ -317,7 +317,7 @@ TEST(TraversesTest, APriorCarriesAScanThatCannotBeRegistered) {
   const RigidTransform T_target_source = DrivePose(0).inverse() * DrivePose(1);
   *header.mutable_prior()->mutable_t_target_source() = wire::ToWire(T_target_source);
   *header.mutable_prior()->mutable_covariance() = wire::ToWire(Matrix6d(1e-4 * Matrix6d::Identity()));
-  ASSERT_THAT(world->AddScan(ticket, header, world.Keep(cloud)), IsOk());
+  ASSERT_THAT(world.Find(ticket)->AddScan(ticket, header, world.Keep(cloud)), IsOk());
   ASSERT_TRUE(world.WaitForScans(name, 2));
   const v1::TrajectoryPose pose = world.Poses(name).back();
   EXPECT_EQ(pose.origin(), v1::POSE_ORIGIN_PRIOR);
@@ -330,20 +330,15 @@ TEST(TraversesTest, TrajectoriesComeInPages) {
   const std::string name = world.Create("drive");
   world.AddDrive(world.Begin(name), 0, 3);
   ASSERT_TRUE(world.WaitForScans(name, 3));
-  v1::GetTrajectoryRequest request;
-  request.set_name(name);
-  request.set_page_size(2);
-  const auto first = world->GetTrajectory(request);
+  const auto first = world.Find(name)->Trajectory(2, "");
   ASSERT_THAT(first, IsOk());
   ASSERT_EQ(first->poses_size(), 2);
-  request.set_page_token(first->next_page_token());
-  const auto last = world->GetTrajectory(request);
+  const auto last = world.Find(name)->Trajectory(2, first->next_page_token());
   ASSERT_THAT(last, IsOk());
   ASSERT_EQ(last->poses_size(), 1);
   EXPECT_EQ(last->poses(0).sequence_number(), 2U);
   EXPECT_EQ(last->next_page_token(), "");
-  request.set_page_token("1");
-  EXPECT_THAT(world->GetTrajectory(request), HasReason(v1::ERROR_REASON_INVALID_FIELD));
+  EXPECT_THAT(world.Find(name)->Trajectory(2, "1"), HasReason(v1::ERROR_REASON_INVALID_FIELD));
 }
 
 TEST(TraversesTest, ListsTheNewestFirstInPages) {
@@ -374,16 +369,16 @@ TEST(TraversesTest, DeletionTakesScansThatNothingElseUses) {
   const std::string shared = world.Keep(DriveCloud(0));
   const std::string own = world.Keep(DriveCloud(1));
   const std::stop_source owner;
-  const auto ticket = world->BeginStream(name, owner);
+  const auto ticket = world.Find(name)->BeginStream(owner);
   world.AddDrive(*ticket, 0, 2);
   world.AddDrive(world.Begin(other), 0, 1);
   EXPECT_THAT(world->DeleteScan(own), HasReason(v1::ERROR_REASON_SCAN_IN_USE));
   std::atomic<bool> is_woken = false;
-  const auto subscription = world->Subscribe(name, [&] { is_woken = true; });
+  const auto subscription = world.Find(name)->Subscribe([&] { is_woken = true; });
   ASSERT_THAT(world->Delete(name), IsOk());
   EXPECT_TRUE(is_woken);
   EXPECT_FALSE(owner.stop_requested()) << "its stream is not replaced, it finds the traverse gone";
-  EXPECT_THAT(world->Get(name), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
+  EXPECT_THAT(world->Find(name), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
   EXPECT_THAT(world->Delete(name), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
   EXPECT_THAT(world.store().GetScan(own), HasReason(v1::ERROR_REASON_SCAN_NOT_FOUND));
   EXPECT_THAT(world.store().GetScan(shared), IsOk());
@@ -391,7 +386,7 @@ TEST(TraversesTest, DeletionTakesScansThatNothingElseUses) {
   world.Create("gone");
   EXPECT_THAT(world.Add(*ticket, 0, DriveCloud(0)), HasReason(v1::ERROR_REASON_WRITER_REPLACED));
   EXPECT_TRUE(world.Poses(name).empty());
-  EXPECT_THAT(world->Events(name, 0, 10),
+  EXPECT_THAT(world.Find(name)->Events(0, 10),
               ::testing::Property(&absl::StatusOr<std::vector<v1::WatchTraverseResponse>>::ok, true));
 }
 
@@ -430,7 +425,7 @@ TEST(TraversesTest, StaysWhenTheDiskHasNoRoomToDeleteIt) {
   TraverseWorld world({.max_threads_per_registration = 2}, disk.File("data"));
   const std::string name = world.Create("kept");
   const std::stop_source owner;
-  const auto ticket = world->BeginStream(name, owner);
+  const auto ticket = world.Find(name)->BeginStream(owner);
   world.AddDrive(*ticket, 0, 1);
   ASSERT_TRUE(world.WaitForScans(name, 1));
   std::filesystem::remove(disk.File("data/spare"));
@@ -448,7 +443,7 @@ absl::StatusOr<v1::OptimizeTraverseResponse> Optimized(TraverseWorld& world, con
   request.set_name(name);
   request.set_find_loop_closures(true);
   std::promise<absl::StatusOr<v1::OptimizeTraverseResponse>> done;
-  world->Optimize(request, "client", {}, [&](auto answer) { done.set_value(std::move(answer)); });
+  world.Find(name)->Optimize(request, "client", {}, [&](auto answer) { done.set_value(std::move(answer)); });
   return done.get_future().get();
 }
 
@@ -461,13 +456,13 @@ TEST(TraversesTest, OptimizesWithAllLinksThatThereAreToFind) {
   ASSERT_THAT(response, IsOk());
   EXPECT_EQ(response->link_count(), 6U) << "every scan with every other: the drive is short";
   EXPECT_FALSE(response->unconverged());
-  EXPECT_EQ(response->version(), world->Get(name)->trajectory_version());
-  const auto source = world->SourceOfMap(name, 0);
+  EXPECT_EQ(response->version(), world.Get(name).trajectory_version());
+  const auto source = world.Find(name)->ScansOfSegment(0);
   ASSERT_THAT(source, IsOk());
   EXPECT_EQ(source->scan_ids.size(), 4U);
   EXPECT_EQ(source->version, response->version());
   EXPECT_THAT(source->T_segment_scan[3], IsNear(DrivePose(0).inverse() * DrivePose(3), 0.03, 0.01));
-  EXPECT_THAT(world->SourceOfMap(name, 7), HasReason(v1::ERROR_REASON_INVALID_FIELD));
+  EXPECT_THAT(world.Find(name)->ScansOfSegment(7), HasReason(v1::ERROR_REASON_INVALID_FIELD));
 }
 
 TEST(TraversesTest, AnOptimizationThatIsNotWantedAnyMoreIsDropped) {
@@ -479,12 +474,11 @@ TEST(TraversesTest, AnOptimizationThatIsNotWantedAnyMoreIsDropped) {
   request.set_name(name);
   std::stop_source caller;
   absl::Status status;
-  world->Optimize(request, "client", {caller.get_token(), {}}, [&](const auto& answer) { status = answer.status(); });
+  world.Find(name)->Optimize(request, "client", {caller.get_token(), {}},
+                             [&](const auto& answer) { status = answer.status(); });
   caller.request_stop();
   EXPECT_THAT(status, HasReason(v1::ERROR_REASON_CANCELLED));
-  request.set_name("traverses/none");
-  world->Optimize(request, "client", {}, [&](const auto& answer) { status = answer.status(); });
-  EXPECT_THAT(status, HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
+  EXPECT_THAT(world->Find("traverses/none"), HasReason(v1::ERROR_REASON_TRAVERSE_NOT_FOUND));
   busy.LetGo();
 }
 
@@ -493,11 +487,12 @@ TEST(TraversesTest, RefusesOptimisationsThatWouldPileUp) {
   world.Reopen(1);
   v1::OptimizeTraverseRequest request;
   request.set_name(world.Create("drive"));
+  const std::shared_ptr<TrackedTraverse> traverse = world.Find(request.name());
   testing::BusyWorker busy(world.pool());
   constexpr int kAsked = 100;
   std::atomic<int> num_done = 0, num_refused = 0;
   for (int i = 0; i < kAsked; ++i) {
-    world->Optimize(request, "client", {}, [&](const auto& answer) {
+    traverse->Optimize(request, "client", {}, [&](const auto& answer) {
       if (answer.ok()) ++num_done;
       if (wire::ReasonOf(answer.status()) == v1::ERROR_REASON_QUEUE_FULL) ++num_refused;
     });

@@ -3,8 +3,8 @@
 //
 // Files of a store that its database does not know, though they may hold what was acknowledged: a database that has
 // lost its newest changes looks like that. They are kept for the operator, in a folder of their own.
-#ifndef CURVEREG_SERVER_STORE_LOST_FILES_H_
-#define CURVEREG_SERVER_STORE_LOST_FILES_H_
+#ifndef CURVEREG_SERVER_STORE_ORPHANED_FILES_H_
+#define CURVEREG_SERVER_STORE_ORPHANED_FILES_H_
 
 #include <cstdint>
 #include <string>
@@ -14,10 +14,10 @@
 
 namespace curvereg::server {
 
-class LostFiles {
+class OrphanedFiles {
  public:
   // The folder, on the file system of the store, is made when it is needed.
-  explicit LostFiles(std::string folder) : folder_(std::move(folder)) {}
+  explicit OrphanedFiles(std::string folder) : folder_(std::move(folder)) {}
 
   // Moves a file there, as `name` or, where that is taken, as `name`.2 and so on.
   absl::Status Take(const std::string& path, const std::string& name);
@@ -30,4 +30,4 @@ class LostFiles {
 
 }  // namespace curvereg::server
 
-#endif  // CURVEREG_SERVER_STORE_LOST_FILES_H_
+#endif  // CURVEREG_SERVER_STORE_ORPHANED_FILES_H_

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Curvereg authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/store/lost_files.h"
+#include "server/store/orphaned_files.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -12,7 +12,7 @@
 
 namespace curvereg::server {
 
-absl::Status LostFiles::Take(const std::string& path, const std::string& name) {
+absl::Status OrphanedFiles::Take(const std::string& path, const std::string& name) {
   if (absl::Status status = MakeFolder(folder_); !status.ok()) return status;
   std::string target = folder_ + "/" + name;
   std::error_code error;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The one place that catches exceptions of libraries, above all std::bad_alloc. Our code throws none.
-#ifndef CURVEREG_SERVER_RPC_CAUGHT_H_
-#define CURVEREG_SERVER_RPC_CAUGHT_H_
+#ifndef CURVEREG_SERVER_SCHEDULING_CAUGHT_H_
+#define CURVEREG_SERVER_SCHEDULING_CAUGHT_H_
 
 #include <exception>
 
@@ -24,4 +24,4 @@ absl::Status Caught(const Work& work) {
 
 }  // namespace curvereg::server
 
-#endif  // CURVEREG_SERVER_RPC_CAUGHT_H_
+#endif  // CURVEREG_SERVER_SCHEDULING_CAUGHT_H_

@@ -20,7 +20,7 @@ using ::testing::IsEmpty;
 using testing::IsOk;
 using ::testing::UnorderedElementsAre;
 
-class LostFilesTest : public ::testing::Test {
+class OrphanedFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {
     store_ = OpenStore(folder_.path());
@@ -47,14 +47,14 @@ class LostFilesTest : public ::testing::Test {
   std::string id_;
 };
 
-TEST_F(LostFilesTest, FilesThatNoRowNamesAreSetAside) {
+TEST_F(OrphanedFilesTest, FilesThatNoRowNamesAreSetAside) {
   const std::string digits(30, '0');
   const std::string orphan = "00" + digits;
   WriteFile(folder_.File("payloads/00/" + orphan), "orphan");
   WriteFile(folder_.File("payloads/00/notes.txt"), "not ours");
   WriteFile(folder_.File("uploads/orphan-1"), "bytes");
   Reopen();
-  EXPECT_EQ(store_->Findings().num_lost_files, 2U);
+  EXPECT_EQ(store_->Recovery().num_orphaned_files, 2U);
   EXPECT_EQ(ReadFile(folder_.File("lost/payload-" + orphan)), "orphan");
   EXPECT_EQ(ReadFile(folder_.File("lost/upload-orphan-1")), "bytes");
   EXPECT_THAT(FilesBelow(folder_.File("payloads")),
@@ -65,14 +65,14 @@ TEST_F(LostFilesTest, FilesThatNoRowNamesAreSetAside) {
   // Another of the same name replaces nothing.
   WriteFile(folder_.File("payloads/00/" + orphan), "another");
   Reopen();
-  EXPECT_EQ(store_->Findings().num_lost_files, 1U);
+  EXPECT_EQ(store_->Recovery().num_orphaned_files, 1U);
   EXPECT_EQ(ReadFile(folder_.File("lost/payload-" + orphan)), "orphan");
   EXPECT_EQ(ReadFile(folder_.File("lost/payload-" + orphan + ".2")), "another");
   Reopen();
-  EXPECT_EQ(store_->Findings().num_lost_files, 0U);
+  EXPECT_EQ(store_->Recovery().num_orphaned_files, 0U);
 }
 
-TEST_F(LostFilesTest, AnInterruptedCommitStaysAnUpload) {
+TEST_F(OrphanedFilesTest, AnInterruptedCommitStaysAnUpload) {
   const std::string other = RandomBytes(5'000, 2);
   {
     const auto writer = store_->BeginUpload(Describe("second", other));
@@ -89,7 +89,7 @@ TEST_F(LostFilesTest, AnInterruptedCommitStaysAnUpload) {
   ASSERT_THAT(Store(*store_, Describe("second", other), other), IsOk());
 }
 
-TEST_F(LostFilesTest, ACommitInterruptedAtItsEndIsOne) {
+TEST_F(OrphanedFilesTest, ACommitInterruptedAtItsEndIsOne) {
   store_.reset();
   std::filesystem::create_hard_link(PayloadPath(payload_), folder_.File("uploads/first"));
   Reopen();
@@ -98,7 +98,7 @@ TEST_F(LostFilesTest, ACommitInterruptedAtItsEndIsOne) {
   EXPECT_EQ(store_->ReadWholePayload(id_).value(), payload_);
 }
 
-TEST_F(LostFilesTest, AnInterruptedDeletionIsBroughtToItsEnd) {
+TEST_F(OrphanedFilesTest, AnInterruptedDeletionIsBroughtToItsEnd) {
   store_.reset();
   std::filesystem::create_directories(folder_.File("removing"));
   std::filesystem::create_hard_link(PayloadPath(payload_), RemovingPath(payload_));
@@ -116,22 +116,22 @@ TEST_F(LostFilesTest, AnInterruptedDeletionIsBroughtToItsEnd) {
 }
 
 // The same bytes, but they came after the deletion.
-TEST_F(LostFilesTest, AnOldDeletionCostsNoNewPayload) {
+TEST_F(OrphanedFilesTest, AnOldDeletionCostsNoNewPayload) {
   store_.reset();
   ForgetScan();
   WriteFile(RemovingPath(payload_), payload_);
   Reopen();
-  EXPECT_EQ(store_->Findings().num_lost_files, 1U);
+  EXPECT_EQ(store_->Recovery().num_orphaned_files, 1U);
   EXPECT_THAT(FilesBelow(folder_.File("payloads")), IsEmpty());
 }
 
-TEST_F(LostFilesTest, ADeletionLeavesNothing) {
+TEST_F(OrphanedFilesTest, ADeletionLeavesNothing) {
   ASSERT_THAT(store_->DeleteScan(id_), IsOk());
   EXPECT_THAT(FilesBelow(folder_.File("payloads")), IsEmpty());
   EXPECT_THAT(FilesBelow(folder_.File("removing")), IsEmpty());
 }
 
-TEST_F(LostFilesTest, AnUploadThatWasDroppedLeavesNothing) {
+TEST_F(OrphanedFilesTest, AnUploadThatWasDroppedLeavesNothing) {
   WriteFile(folder_.File("uploads/begun"), "");
   WriteFile(folder_.File("uploads/dropped"), "bytes");
   std::filesystem::create_directories(folder_.File("removing"));
@@ -151,7 +151,7 @@ TEST_F(LostFilesTest, AnUploadThatWasDroppedLeavesNothing) {
   EXPECT_EQ(store_->ReadWholePayload(id_).value(), payload_);
 }
 
-TEST_F(LostFilesTest, AnUploadWithoutItsBytesIsSaidSo) {
+TEST_F(OrphanedFilesTest, AnUploadWithoutItsBytesIsSaidSo) {
   const std::string other = RandomBytes(5'000, 2);
   for (const std::string id : {"gone", "there", "longer"}) {
     const auto writer = store_->BeginUpload(Describe(id, other));
@@ -163,11 +163,11 @@ TEST_F(LostFilesTest, AnUploadWithoutItsBytesIsSaidSo) {
   std::filesystem::remove(folder_.File("uploads/gone"));
   WriteFile(folder_.File("uploads/longer"), other + "x");
   Reopen();
-  EXPECT_THAT(store_->Findings().emptied_uploads, UnorderedElementsAre("gone", "longer"));
+  EXPECT_THAT(store_->Recovery().emptied_uploads, UnorderedElementsAre("gone", "longer"));
   EXPECT_EQ(store_->GetUpload("gone")->committed_offset, 0U);
   EXPECT_EQ(store_->GetUpload("there")->committed_offset, 4U);
   Reopen();
-  EXPECT_THAT(store_->Findings().emptied_uploads, IsEmpty());
+  EXPECT_THAT(store_->Recovery().emptied_uploads, IsEmpty());
 }
 
 // The write-ahead log of a process that was killed is damaged in some way.
@@ -210,7 +210,7 @@ class LostLogTest : public ::testing::Test {
     EXPECT_THAT(store->DamagedScans(), IsEmpty());
     const bool has_upload = store->GetUpload("half").ok();
     EXPECT_EQ(ReadFile(dead_.File(has_upload ? "uploads/half" : "lost/upload-half")), payloads_[0].substr(0, 500));
-    EXPECT_EQ(store->Findings().num_lost_files, payloads_.size() - num_scans + (has_upload ? 0 : 1));
+    EXPECT_EQ(store->Recovery().num_orphaned_files, payloads_.size() - num_scans + (has_upload ? 0 : 1));
   }
 
   const std::vector<std::string> payloads_ = {RandomBytes(900, 1), RandomBytes(901, 2), RandomBytes(902, 3),
