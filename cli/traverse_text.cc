@@ -170,7 +170,7 @@ std::string OptimizationText(const OptimizationOutcome& outcome) {
   return absl::StrFormat(
       "optimised with %d links, %d loop closures found, %d outlier links; largest change of a position %.4f m%s\n",
       outcome.num_links, outcome.num_loop_closures, outcome.num_rejected_links, outcome.max_translation_change_m,
-      outcome.converged ? "" : , not converged: optimise again");
+      outcome.converged ? "" : ", not converged: optimise again");
 }
 
 std::optional<Eigen::Matrix3d> PositionCovariance(const TrajectoryPose& pose) {
