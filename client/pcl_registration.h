@@ -101,7 +101,7 @@ class CurveletRegistration : public pcl::Registration<PointSource, PointTarget, 
     result_ = *std::move(result);
     if (!result_.verdict.accepted) return;
     Base::converged_ = true;
-    Base::final_transformation_ = Base::transformation_ = result_.T_target_source.matrix().cast<float>();
+    Base::final_transformation_ = Base::transformation_ = result_.T_target_source->matrix().cast<float>();
     if constexpr (pcl::traits::has_normal_v<PointSource>) {
       pcl::transformPointCloudWithNormals(output, output, Base::final_transformation_);
     } else {

@@ -105,7 +105,7 @@ TEST(PclRegistrationTest, AnswersAsRegisterScansDoes) {
   const absl::StatusOr<RegistrationResult> expected = RegisterScans(ScanA(), ScanB(), options);
   ASSERT_THAT(expected, IsOk());
   EXPECT_TRUE(testing::BytesOf(registration.result()) == testing::BytesOf(*expected));
-  EXPECT_EQ(registration.getFinalTransformation(), expected->T_target_source.matrix().cast<float>());
+  EXPECT_EQ(registration.getFinalTransformation(), expected->T_target_source->matrix().cast<float>());
 }
 
 TEST(PclRegistrationTest, DoesNotConvergeForTwoPlaces) {
