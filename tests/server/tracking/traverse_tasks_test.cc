@@ -9,7 +9,6 @@
 #include <cstdio>
 
 #include "tests/server/tracking/tracking_world.h"
-#include "wire/conversion.h"
 
 namespace curvereg::server {
 namespace {
