@@ -5,10 +5,11 @@ JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo paper pictures test bench sanitizers fuzz image format lint tidy clean
+.PHONY: help deps build demo paper pictures test check slim bench build-time sanitizers coverage fuzz fuzz-smoke image format
+.PHONY: lint tidy clean
 
 help: ## This list
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */\1\t/' | expand -t 12
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */\1\t/' | expand -t 12
 
 deps: ## Install the Debian packages that are missing
 	@scripts/install_dependencies.sh build server baselines plots
@@ -35,10 +36,26 @@ pictures: deps ## Draw the pictures of docs/method.md again, and print the figur
 test: deps build ## Build and run every test
 	ctest --test-dir build/release --output-on-failure --no-tests=error -j $(JOBS)
 
+check: ## All that CI runs: tests, lint, clang-tidy on what changed, fuzz smoke, build without PCL and gRPC (an hour)
+	.ci/run
+
+slim: ## Build without PCL, gRPC and precompiled headers, and run the tests that are left
+	@scripts/install_dependencies.sh build
+	cmake --preset slim
+	cmake --build --preset slim -j $(JOBS)
+	ctest --preset slim -j $(JOBS) -L unit
+
+coverage: ## Build with coverage, run the unit tests, print the share of lines per folder
+	@scripts/install_dependencies.sh build server baselines
+	scripts/coverage.sh $(JOBS)
+
+build-time: ## Processor time of clean builds here and of commit BASE, one after the other (an hour)
+	scripts/build_time.sh $(BASE)
+
 bench: build ## Run the benchmarks; what they print is kept in out/bench
 	scripts/bench.sh build/release/bench out/bench
 
-sanitizers: ## Run every test under ASan and UBSan, and the server's under TSan (an hour)
+sanitizers: ## Run every test under ASan and UBSan, and the server's under TSan (hours); scripts/sanitizers.sh last: the record
 	@scripts/install_dependencies.sh build server
 	scripts/sanitizers.sh asan $(JOBS)
 	scripts/sanitizers.sh tsan $(JOBS)
@@ -48,6 +65,9 @@ fuzz: ## Fuzz every file reader and message decoder for FUZZ_SECONDS (60) each; 
 	cmake --preset fuzz
 	cmake --build --preset fuzz -j $(JOBS) --target fuzzers
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
+
+fuzz-smoke: ## The same, FUZZ_SECONDS=5 each
+	$(MAKE) fuzz FUZZ_SECONDS=5
 
 image: ## Build the container image with docker, buildah or podman
 	scripts/build_image.sh --jobs $(JOBS)

@@ -33,7 +33,7 @@ Clock::time_point AnswerBy(Clock::time_point now, Clock::time_point deadline) {
 
 RegisterCall::RegisterCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
                            const v1::RegisterScansRequest& request, v1::RegisterScansResponse& response)
-    : ComputingCall({backend.calls, *backend.memory, *backend.pool}, kTraits, context),
+    : ComputingCall({backend.calls, *backend.scans.memory, *backend.pool}, kTraits, context),
       backend_(backend),
       request_(request),
       response_(response) {}

@@ -42,7 +42,7 @@ const MethodTraits RenderCall::kTraits = {v1::RegistrationService::service_full_
 
 RenderCall::RenderCall(const RegistrationBackend& backend, grpc::CallbackServerContext& context,
                        const v1::RenderScanRequest& request, v1::RenderScanResponse& response)
-    : ComputingCall({backend.calls, *backend.memory, *backend.pool}, kTraits, context),
+    : ComputingCall({backend.calls, *backend.scans.memory, *backend.pool}, kTraits, context),
       backend_(backend),
       request_(request),
       response_(response) {}

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/server/tracking/tracking_world.h"
-#include "wire/conversion.h"
+#include "wire/geometry_conversion.h"
 
 namespace curvereg::server {
 namespace {

@@ -10,6 +10,7 @@
 #include "server/server.h"
 #include "tests/server/traverses/traverse_world.h"
 #include "wire/digest.h"
+#include "wire/geometry_conversion.h"
 #include "wire/status_mapping.h"
 
 namespace curvereg::server {

@@ -14,6 +14,7 @@
 #include "tests/server/scheduling/busy_worker.h"
 #include "tests/server/store/small_disk.h"
 #include "tests/server/traverses/traverse_world.h"
+#include "wire/geometry_conversion.h"
 
 namespace curvereg::server {
 namespace {
