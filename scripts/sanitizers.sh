@@ -6,10 +6,21 @@
 # the server, its client and what they share under tsan (threads). Fails at a failed test and at any report, also one of
 # a program that a test has started and killed.
 #
+# A run without failures on a checkout without changes adds a line to tests/sanitizer_runs.txt: SANITIZER COMMIT DATE.
+#
 # usage: sanitizers.sh asan|tsan JOBS
+#        sanitizers.sh last             prints when each last ran without a report, and how many commits came after it
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+record=tests/sanitizer_runs.txt
 preset=$1
+if [ "$preset" = last ]; then
+  for sanitizer in asan tsan; do
+    read -r _ commit date < <(grep "^$sanitizer " "$record" | tail -n 1) || { echo "$sanitizer: no run is recorded"; continue; }
+    echo "$sanitizer: clean on $commit, $date; $(git rev-list --count "$commit..HEAD" 2>/dev/null || echo '?') commits since"
+  done
+  exit 0
+fi
 jobs=$2
 build=$PWD/build/$preset
 reports=$build/reports
@@ -40,5 +51,9 @@ if [ -n "$found" ]; then
   xargs cat <<<"$found"
   printf '\nsanitizers.sh: %d processes reported, see %s\n' "$(wc -l <<<"$found")" "$reports" >&2
   exit 1
+fi
+if [ "$status" -eq 0 ] && [ -z "$(git status --porcelain --untracked-files=no)" ]; then
+  echo "$preset $(git rev-parse --short HEAD) $(date -u +%F)" >>"$record"
+  echo "sanitizers.sh: recorded in $record"
 fi
 exit "$status"
