@@ -151,9 +151,8 @@ Digests DigestsWithout(const std::string& instruction_sets) {
   const testing::TemporaryFolder folder;
   const std::string program = std::filesystem::read_symlink("/proc/self/exe");
   const testing::Finished child =
-      testing::RunIn(folder.path(),
-                     std::string(kPrintDigests) + "=1 OPENCV_CPU_DISABLE=" + instruction_sets + " '" + program +
-                         "' --gtest_filter=ConditionRangeTest.SameBytesWithAnyInstructionSet");
+      testing::RunIn(folder.path(), std::string(kPrintDigests) + "=1 OPENCV_CPU_DISABLE=" + instruction_sets + " '" +
+                                        program + "' --gtest_filter=ConditionRangeTest.SameBytesWithAnyInstructionSet");
   EXPECT_EQ(child.status, 0) << child.err;
   const size_t at = child.out.find("digests ");
   Digests digests;
