@@ -19,13 +19,16 @@ run() {
   "$@"
 }
 
-# keep PICTURE NAME: the same picture in 256 colours, about half as large. MAXCOVERAGE: no colour is far from its own.
+# keep PICTURE NAME: the same picture in all its colours; in 256 of them when it would have 400 kB or more. A palette draws
+# bands into even greys. MAXCOVERAGE: no colour is far from its own.
 keep() {
   "$python" -c '
-import sys
+import os, sys
 from PIL import Image
-picture = Image.open(sys.argv[1]).convert("RGB").quantize(256, method=Image.MAXCOVERAGE)
-picture.save(sys.argv[2], optimize=True)' "$1" "$pictures/$2.png"
+picture = Image.open(sys.argv[1]).convert("RGB")
+picture.save(sys.argv[2], optimize=True)
+if os.path.getsize(sys.argv[2]) >= 400_000:
+    picture.quantize(256, method=Image.MAXCOVERAGE).save(sys.argv[2], optimize=True)' "$1" "$pictures/$2.png"
 }
 
 # embedded PAGE NUMBER: the picture of that number in a page that has its pictures inside.
