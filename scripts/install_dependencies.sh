@@ -12,7 +12,7 @@ set -euo pipefail
 declare -A PACKAGES=(
   # compiler, build tools, and the libraries of core, client, sim, eval and their tests; no gRPC, no PCL
   [build]="
-    g++ gcc libc6-dev cmake ninja-build ccache make git pkg-config
+    g++ gcc libc6-dev cmake ninja-build ccache make git pkg-config python3
     libeigen3-dev libfftw3-dev libflann-dev liblz4-dev libabsl-dev libtbb-dev libxxhash-dev
     libpng-dev libceres-dev libcli11-dev nlohmann-json3-dev zlib1g-dev
     libopencv-core-dev libopencv-imgproc-dev
@@ -34,7 +34,7 @@ declare -A PACKAGES=(
   # the figures of the evaluation report
   [plots]="python3 python3-matplotlib"
   # for developers
-  [format]="clang-format-14 clang-format git"
+  [format]="clang-format-14 clang-format git python3"
   [lint]="clang-tidy-14 clang-tidy clang-14 python3"
   [fuzz]="clang-14 clang libclang-rt-14-dev"
 )
