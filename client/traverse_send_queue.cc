@@ -27,7 +27,7 @@ void TraverseSendQueue::DropBefore(uint64_t sequence_number, const std::string& 
     ++progress.num_acknowledged;
     acknowledged.emplace_back(scan.sequence_number(), scan.sequence_number() + 1 == sequence_number ? name : "");
     waiting.pop_front();
-    has_news = true;
+    has_notifications = true;
   }
 }
 

@@ -51,7 +51,7 @@ struct TraverseSendQueue {
   // To be told to the caller.
   std::deque<curvereg::ScanResult> results;
   std::deque<std::pair<uint64_t, std::string>> acknowledged;
-  bool has_news = false;
+  bool has_notifications = false;
   bool has_progress = false;  // more is safe or answered than ever before
 
   void Push(EncodedScan scan);

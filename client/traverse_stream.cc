@@ -65,18 +65,18 @@ void TraverseStream::Await(const Limits& limits, const std::function<void()>& te
                            const std::function<void()>& on_alive) {
   std::unique_lock lock(queue_.mutex);
   bool held = true;
-  while (!ended_ || queue_.has_news) {
+  while (!ended_ || queue_.has_notifications) {
     Clock::time_point wake = Clock::now() + kPollInterval;
     if (queue_.pacer.next_send() > Clock::now()) wake = std::min(wake, queue_.pacer.next_send());
-    if (!queue_.has_news && !ended_) queue_.changed.wait_until(lock, wake);
+    if (!queue_.has_notifications && !ended_) queue_.changed.wait_until(lock, wake);
     const bool alive =
         ready_at_ && !ended_ && (std::exchange(queue_.has_progress, false) || Clock::now() - *ready_at_ > kProof);
-    const bool has_news = std::exchange(queue_.has_news, false);
+    const bool has_notifications = std::exchange(queue_.has_notifications, false);
     WatchSilence(limits.silence);
     const bool release = closed_ && std::exchange(held, false);
     lock.unlock();
     if (alive) on_alive();
-    if (has_news) tell();
+    if (has_notifications) tell();
     if (release) {
       RemoveHold();
     } else if (held) {
@@ -119,7 +119,7 @@ void TraverseStream::OnReadDone(bool ok) {
       if (const absl::Status taken = Take(response_); !taken.ok()) Break(taken);
     }
     closed_ = !ok;
-    if (!ok || queue_.has_news) queue_.changed.notify_all();
+    if (!ok || queue_.has_notifications) queue_.changed.notify_all();
   }
   if (!ok) return;
   SendNext();
@@ -146,7 +146,7 @@ absl::Status TraverseStream::Take(const v1::StreamScansResponse& response) {
       if (!result.ok()) return result.status();
       queue_.results.push_back(*std::move(result));
       queue_.last_result = number;
-      queue_.has_news = queue_.has_progress = true;
+      queue_.has_notifications = queue_.has_progress = true;
       return absl::OkStatus();
     }
     case v1::StreamScansResponse::MESSAGE_NOT_SET:
@@ -170,7 +170,7 @@ absl::Status TraverseStream::TakeReady(const v1::StreamScansReady& ready) {
     queue_.progress.bytes_acknowledged += kept - scan.committed;
     scan.committed = kept;
   }
-  queue_.has_news = true;
+  queue_.has_notifications = true;
   return absl::OkStatus();
 }
 

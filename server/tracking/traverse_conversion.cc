@@ -10,6 +10,7 @@
 #include "core/register_scans.h"
 #include "server/store/scan_identity.h"
 #include "wire/error.h"
+#include "wire/geometry_conversion.h"
 #include "wire/options_conversion.h"
 #include "wire/result_conversion.h"
 #include "wire/timestamp.h"
