@@ -189,7 +189,7 @@ ExitCode Run(const CommandSyntax& command, const Arguments& arguments, const Cli
 CommandSyntax AddAction(CommandSyntax command, const std::string& name, const std::string& help, Arguments& arguments) {
   CommandSyntax action = command.AddCommand(name, help);
   action.AddFlag("--json", arguments.json, "Print one JSON object and nothing else");
-  AddServerOptions(*action, arguments.server);
+  AddServerOptions(action, arguments.server);
   return action;
 }
 
@@ -215,9 +215,7 @@ Command AddScansCommand(CommandSyntax app) {
   download.AddOption("--out", arguments->out, "File to write: .pcd, .ply, .bin, .xyz, .csv or .txt")
       .Required()
       .ValueName("FILE");
-  AddAction(command, "delete", "Delete scans", *arguments)
-      ->add_option("NAME", arguments->names, "scans/...")
-      .Required();
+  AddAction(command, "delete", "Delete scans", *arguments).AddOption("NAME", arguments->names, "scans/...").Required();
   command.SetFooter(kNotes);
   return {.syntax = command,
           .run = [arguments, command](const CliContext& context) { return Run(command, *arguments, context); }};

@@ -166,7 +166,7 @@ ExitCode Run(const CommandSyntax& command, const Arguments& arguments, const Cli
 
 CommandSyntax AddAction(CommandSyntax command, const std::string& name, const std::string& help, Arguments& arguments) {
   CommandSyntax action = command.AddCommand(name, help);
-  AddTraverseOptions(*action, arguments.traverse, "Print one JSON object and nothing else");
+  AddTraverseOptions(action, arguments.traverse, "Print one JSON object and nothing else");
   return action;
 }
 
@@ -186,7 +186,7 @@ Command AddTraverseCommand(CommandSyntax app) {
   AddAction(command, "list", "List the traverses, newest first", *arguments);
   AddActionOnOne(command, "show", "Show the state of a traverse", *arguments);
   AddActionOnOne(command, "optimize", "Search for loop closures and optimise all poses", *arguments)
-      ->add_flag("--without-loops", arguments->without_loops, "Optimise with the existing links only");
+      .AddFlag("--without-loops", arguments->without_loops, "Optimise with the existing links only");
   AddActionOnOne(command, "delete", "Delete a traverse, and its scans that no other traverse uses", *arguments);
   CommandSyntax report =
       AddActionOnOne(command, "report", "Write trajectory, map, verdicts and an HTML report", *arguments);
