@@ -15,9 +15,6 @@ if(CURVEREG_BUILD_SERVER)
       <curvereg/v1/registration_service.grpc.pb.h> <curvereg/v1/scan_service.grpc.pb.h>
       <curvereg/v1/traverse_service.grpc.pb.h>)
   curvereg_add_precompiled(rpc LIBRARIES ${core_libraries} curvereg::proto HEADERS ${rpc_headers})
-  curvereg_add_precompiled(
-    cli LIBRARIES ${core_libraries} CLI11::CLI11 nlohmann_json::nlohmann_json
-    HEADERS ${core_headers} <filesystem> <CLI/App.hpp> <CLI/Config.hpp> <CLI/Formatter.hpp> <nlohmann/json.hpp>)
 endif()
 
 if(CURVEREG_BUILD_TESTS)
