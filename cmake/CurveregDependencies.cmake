@@ -39,10 +39,15 @@ add_library(curvereg_opencv_without_opengl STATIC "${CMAKE_CURRENT_LIST_DIR}/ope
 set_target_properties(curvereg_opencv_without_opengl PROPERTIES POSITION_INDEPENDENT_CODE ON)
 add_library(curvereg_opencv INTERFACE)
 target_include_directories(curvereg_opencv SYSTEM INTERFACE "${OPENCV_INCLUDE_DIR}")
-foreach(library "${OPENCV_IMGPROC_ARCHIVE}" "${OPENCV_CORE_ARCHIVE}" curvereg_opencv_without_opengl TBB::tbb ZLIB::ZLIB
-                "${LAPACK_LIBRARY}" "${BLAS_LIBRARY}" ${CMAKE_DL_LIBS})
-  target_link_libraries(curvereg_opencv INTERFACE $<BUILD_INTERFACE:${library}>)
-endforeach()
+# Imported targets, for an archive must come before what it needs on every linker's command line.
+add_library(curvereg_opencv_core STATIC IMPORTED GLOBAL)
+set_target_properties(curvereg_opencv_core PROPERTIES IMPORTED_LOCATION "${OPENCV_CORE_ARCHIVE}")
+target_link_libraries(curvereg_opencv_core INTERFACE curvereg_opencv_without_opengl TBB::tbb ZLIB::ZLIB "${LAPACK_LIBRARY}"
+                                                     "${BLAS_LIBRARY}" ${CMAKE_DL_LIBS})
+add_library(curvereg_opencv_imgproc STATIC IMPORTED GLOBAL)
+set_target_properties(curvereg_opencv_imgproc PROPERTIES IMPORTED_LOCATION "${OPENCV_IMGPROC_ARCHIVE}")
+target_link_libraries(curvereg_opencv_imgproc INTERFACE curvereg_opencv_core)
+target_link_libraries(curvereg_opencv INTERFACE $<BUILD_INTERFACE:curvereg_opencv_imgproc>)
 # Users of the installed libraries link the shared ones, which their own code may use, too.
 target_link_libraries(curvereg_opencv INTERFACE $<INSTALL_INTERFACE:opencv_imgproc> $<INSTALL_INTERFACE:opencv_core>)
 if(NOT CURVEREG_SANITIZER AND NOT CURVEREG_BUILD_FUZZERS)
