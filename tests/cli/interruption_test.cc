@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // One ^C ends every command that waits for a server.
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <chrono>
 #include <fstream>
 #include <stop_token>
@@ -28,8 +31,9 @@ using Clock = std::chrono::steady_clock;
 
 ExitCode RunInterrupted(const std::string& command_line) {
   CLI::App app;
-  const std::vector<Command> commands = {AddScansCommand(app), AddStatusCommand(app), AddStreamCommand(app),
-                                         AddTrajectoryCommand(app), AddTraverseCommand(app)};
+  const CommandSyntax syntax(app);
+  const std::vector<Command> commands = {AddScansCommand(syntax), AddStatusCommand(syntax), AddStreamCommand(syntax),
+                                         AddTrajectoryCommand(syntax), AddTraverseCommand(syntax)};
   app.parse(command_line);
   std::stop_source interrupted;
   const std::jthread user([&interrupted] {
@@ -37,7 +41,7 @@ ExitCode RunInterrupted(const std::string& command_line) {
     interrupted.request_stop();
   });
   for (const Command& command : commands) {
-    if (command.app->parsed()) return command.run({.interrupted = interrupted.get_token()});
+    if (command.syntax.WasNamed()) return command.run({.interrupted = interrupted.get_token()});
   }
   return ExitCode::kUsage;
 }
