@@ -83,7 +83,7 @@ TEST_F(CliTest, WrongUsage) {
   ExpectRefused("register a b --timeout 1e300", "--timeout");
   ExpectRefused("simulate --out r --seed -1", "--seed");
   ExpectRefused("status --server 127.0.0.1:1 --token-file none", "--token-file: none: ");
-  ExpectRefused("status --server 127.0.0.1:1 --token-file /dev/null", "--token-file: /dev/null: holds no token");
+  ExpectRefused("status --server 127.0.0.1:1 --token-file /dev/null", "--token-file: /dev/null: contains no token");
   ExpectRefused("evaluate yard", "--out");
   ExpectRefused("evaluate yard --out r --every 0", "--every");
   ExpectRefused("evaluate yard --out r --method curvelet,curvelet", "twice");

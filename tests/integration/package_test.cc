@@ -151,7 +151,8 @@ TEST_F(PackageTest, ThePclExampleRegistersTwoFilesWithoutGrpc) {
   EXPECT_THAT(ReadFile(folder_->File("out")), ::testing::HasSubstr("none.pcd"));
 }
 
-// Every installed header compiles with the one search path PREFIX/include, and all of them lie below curvereg/.
+// Every installed header compiles with the one search path PREFIX/include, and all of them lie below curvereg/. Those
+// of the wire need google/rpc besides, which curvereg::wire brings.
 TEST_F(PackageTest, EveryHeaderIsFoundBelowOnePrefix) {
   const std::filesystem::path include = folder_->File("installed/include");
   EXPECT_THAT(FileNames(include), ::testing::ElementsAre("curvereg"));
@@ -168,11 +169,12 @@ TEST_F(PackageTest, EveryHeaderIsFoundBelowOnePrefix) {
     EXPECT_THAT(source, ::testing::HasSubstr(absl::StrCat("#include <curvereg/", name, ">\n")));
   }
   absl::StrAppend(&source, "int main() { return curvereg::BuildId().empty() ? 1 : 0; }\n");
-  const std::string project = WriteProject("headers",
-                                           "find_package(curvereg REQUIRED)\n"
-                                           "add_executable(user main.cc)\n"
-                                           "target_link_libraries(user PRIVATE curvereg::client curvereg::files)\n",
-                                           source);
+  const std::string project =
+      WriteProject("headers",
+                   "find_package(curvereg REQUIRED)\n"
+                   "add_executable(user main.cc)\n"
+                   "target_link_libraries(user PRIVATE curvereg::wire curvereg::client curvereg::files)\n",
+                   source);
   ASSERT_EQ(Configure(project, "headers_build"), 0) << ReadFile(Log());
   EXPECT_EQ(Build("headers_build"), 0) << ReadFile(Log());
 }
