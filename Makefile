@@ -36,8 +36,8 @@ pictures: deps ## Draw the pictures of docs/method.md again, and print the figur
 test: deps build ## Build and run every test
 	ctest --test-dir build/release --output-on-failure --no-tests=error -j $(JOBS)
 
-check: ## All that CI runs: tests, lint, clang-tidy on what changed, fuzz smoke, build without PCL and gRPC (an hour)
-	.ci/run
+check: ## What CI runs, and clang-tidy on what changed, the build without PCL and gRPC, a fuzz smoke (an hour)
+	.ci/run all
 
 slim: ## Build without PCL, gRPC and precompiled headers, and run the tests that are left
 	@scripts/install_dependencies.sh build

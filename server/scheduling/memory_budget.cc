@@ -15,7 +15,7 @@ namespace {
 constexpr std::chrono::milliseconds kRetryDelay{250};
 
 constexpr uint64_t kBytesPerScan = uint64_t{24} << 20;
-constexpr uint64_t kBytesOfPictures = uint64_t{128} << 20;
+constexpr uint64_t kBytesOfPictures = uint64_t{192} << 20;
 constexpr uint64_t kBytesPerPoint = 512;
 
 }  // namespace

@@ -82,7 +82,7 @@ class Documents(unittest.TestCase):
         code = (ROOT / "cli/service_access.cc").read_text()
         section = DOCUMENT.split("**Clients.**")[1].split("\n## ")[0]
         told = set(re.findall(r"`--([a-z-]+)", section))
-        self.assertEqual(told, set(re.findall(r'_(?:option|flag)\("--([a-z-]+)', code)))
+        self.assertEqual(told, set(re.findall(r'Add(?:Option|Flag)\("--([a-z-]+)', code)))
         self.assertEqual(set(re.findall(r"CURVEREG_\w+", section)), set(re.findall(r'"(CURVEREG_\w+)"', code)))
 
     def test_alarms(self):
