@@ -44,7 +44,7 @@ function(curvereg_precompile target name)
   target_precompile_headers(${target} REUSE_FROM curvereg_${name}_headers)
 endfunction()
 
-# curvereg_add_test(core/scan/scan [LABEL unit|integration|slow] [TIMEOUT SECONDS] [SERIAL] [HEADERS test|rpc_test|none]
+# curvereg_add_test(core/scan/scan [LABEL unit|integration|slow] [TIMEOUT SECONDS] [SERIAL] [HEADERS test|rpc_test]
 #                   [LIBRARIES curvereg::sim ...]):
 # builds tests/core/scan/scan_test.cc into its own executable and registers each of its test cases with CTest.
 function(curvereg_add_test path)
@@ -73,9 +73,7 @@ function(curvereg_add_test path)
   add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}_test.cc")
   curvereg_configure(${name})
   target_link_libraries(${name} PRIVATE curvereg::core curvereg_testing GTest::gmock GTest::gtest_main ${ARG_LIBRARIES})
-  if(NOT ARG_HEADERS STREQUAL none)
-    curvereg_precompile(${name} ${ARG_HEADERS})
-  endif()
+  curvereg_precompile(${name} ${ARG_HEADERS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   gtest_discover_tests(
     ${name}
